@@ -8,7 +8,6 @@ import pytest
 
 from nav_model.design.file import parse_design
 from nav_model.simulation.design_study import specification
-from nav_model.simulation.study_inputs import read_study_inputs
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification, planned
 from nav_model.trajectory.specification import CovarianceSpec
@@ -23,8 +22,8 @@ RICH = {
     "accelerometer.correlation_time": "100 s",
     "accelerometer.scale_factor": "1000 ppm",
     "accelerometer.misalignment": "0.5 mrad",
-    "receiver.velocity_noise": "3 cm/s",
-    "receiver.lever_forward": "2 m",
+    "gnss.velocity_noise": "3 cm/s",
+    "gnss.lever_forward": "2 m",
 }
 AIDED = [
     "gnss.interval=1 s",
@@ -37,8 +36,9 @@ AIDED += ["trajectory.heading_noise=0.1°", "trajectory.lever_arm_error=10 cm", 
 
 def an_hour(name: str) -> CovarianceSpec:
     """21 states and 20 sources, fixes at 1 Hz."""
-    design = parse_design(Path(f"examples/{name}.toml").read_bytes(), changes=AIDED)
-    study = specification(design, trajectory="turns", duration=3600.0, states=21, more=read_study_inputs(RICH))
+    rich = [f"{key}={text}" for key, text in RICH.items()]
+    design = parse_design(Path(f"examples/{name}.toml").read_bytes(), changes=[*AIDED, *rich, "filter.states=21"])
+    study = specification(design, trajectory="turns", duration=3600.0)
     return covariance_specification(design, study)
 
 

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from nav_model.budget import Budget
     from nav_model.design import Design
     from nav_model.simulation.specification import SimulationSpec
-    from nav_model.simulation.study_inputs import SimulationInputs
     from nav_model.trajectory.plan import PlannedFlight
 
 _DURATION = 500.0
@@ -57,11 +56,16 @@ def flight_arguments(parser: argparse.ArgumentParser, usual: str) -> None:
         help="spacing of the results (default 1 s; of the design's plan a 1200th, where that is more)")  # fmt: skip
     add("--states", type=int, choices=(9, 12, 15, 18, 21, 24), default=0,
         help="filter states: 15 estimates biases, 21 constant and varying ones separately; 12, 18 and 24 the slow "
-        "GNSS error too (default: 15 if there is a bias, else 9, and 3 more for a slow GNSS error)")  # fmt: skip
+        "GNSS error too (default: filter.states of the design)")  # fmt: skip
+
+
+def changes_of(options: argparse.Namespace) -> list[str]:
+    """The changes of --set, and the filter of --states as one of them."""
+    return [*options.changes, *([f"filter.states={options.states}"] if options.states else [])]
 
 
 def flight_study(
-    design: Design, more: SimulationInputs, options: argparse.Namespace, **others: Any
+    design: Design, options: argparse.Namespace, **others: Any
 ) -> tuple[SimulationSpec, PlannedFlight | None]:
     """The study that the options describe, and the flight of a plan or file with its lines.
 
@@ -92,8 +96,6 @@ def flight_study(
             duration=whole if options.duration is None else options.duration,
             outages=outages,
             every=1.0 if options.every is None else options.every,
-            states=options.states,
-            more=more,
             **others,
         )
         plan_trajectory(spec.trajectory, spec.duration)  # refuses what cannot be flown before anything is prepared

@@ -93,7 +93,7 @@ export function render({ model }) {
     return slider
   }
   // Help is on the page where it is in view or its row has the focus: a search finds no text that nobody sees.
-  const wanted = make("input", { type: "checkbox", checked: model.explained })
+  const wanted = make("input", { type: "checkbox" })
   const explain = (row) => {
     row.help.textContent = wanted.checked || row.line.matches(".explained") ? row.explanation : ""
   }
@@ -203,7 +203,6 @@ export function render({ model }) {
   if (model.heading) place.append(make("h2", { className: "hidden", textContent: model.heading }))
   wanted.setAttribute("role", "switch")
   wanted.onchange = () => { place.classList.toggle("explained", wanted.checked); rows.forEach(explain) }
-  place.classList.toggle("explained", model.explained)
   if (model.groups.some(({ title }) => title)) {
     place.append(make("label", { className: "explain" }, wanted, "Show help for all inputs"))
   }

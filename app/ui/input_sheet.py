@@ -99,7 +99,6 @@ class InputSheet(PlainScript):
     groups = param.List(default=[], doc="Dicts of title, open, pictured and rows.")
     news = param.Dict(default={}, doc="Key -> what its row shows, where that is not as in `groups`.")
     heard = param.Integer(default=0, doc="Number of the last message that was dealt with.")
-    explained = param.Boolean(default=False, doc="Whether help is in view at first.")
     picture = param.String(doc="HTML above the inputs of a group.")
     invalid = param.Integer(default=0, doc="Rows whose last entry was refused; the browser is not told.")
 

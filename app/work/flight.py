@@ -51,8 +51,7 @@ class Followed:
     """The covariance along the flight, the checks it makes in either processing, and its path [m] north and east of
     the start.
 
-    file, states: that it is of, and of a filter that is not the design's; else empty and 0. options: what would close
-    it, once that is known.
+    file: that it is of; else empty. options: what would close it, once that is known.
     """
 
     design: Design
@@ -61,13 +60,12 @@ class Followed:
     north: NDArray[np.float64]
     east: NDArray[np.float64]
     file: str = ""
-    states: int = 0
     options: Manoeuvres | None = None
 
     @property
     def study(self) -> bool:
-        """True for a flight that is not the design's: of a file, or with another filter."""
-        return bool(self.file) or self.states != 0
+        """True for a flight that is not the design's."""
+        return bool(self.file)
 
     @cached_property
     def budget(self) -> Budget:
@@ -96,7 +94,6 @@ class Followed:
 
 def follow(
     design: Design,
-    states: int = 0,
     file: File | None = None,
     lengths: bool = False,
     *,
@@ -107,8 +104,6 @@ def follow(
     Parameters
     ----------
     design : Design
-    states : int
-        Of the filter; 0 as the design has it.
     file : File, optional
         Flown in place of the plan.
     lengths : bool
@@ -136,7 +131,7 @@ def follow(
     fixes = flight.duration / design.gnss.interval
     progress(0.0, f"Following {fixes:.0f} fixes, about {max(fixes * _seconds_per_fix, 1.0):.0f} s")
     began = time.monotonic()
-    result = covariance(along_flight(design, flight, states), _MOST_STEPS)
+    result = covariance(along_flight(design, flight), _MOST_STEPS)
     if fixes > _SHORT:
         _seconds_per_fix = (time.monotonic() - began) / fixes
     if lengths and file is None:
@@ -151,7 +146,6 @@ def follow(
         north * (position[:, 0] - position[0, 0]),
         east * (np.unwrap(position[:, 1]) - position[0, 1]),
         file.name if file else "",
-        states,
     )
 
 
@@ -164,19 +158,18 @@ def read_file(file: File, design: Design) -> PlannedFlight:
     return parse_file(file.path.read_bytes(), file.name, *heights).flown(plan_like(design))
 
 
-def follow_if_short(design: Design, states: int) -> Followed | None:
+def follow_if_short(design: Design) -> Followed | None:
     """`follow` of a flight of few enough fixes for the pool, whose processes are not ended; None of a longer one.
 
     Raises InputError as `follow`.
     """
     from nav_model.trajectory.design_study import planned
 
-    return follow(design, states) if planned(design).duration <= _SHORT * design.gnss.interval else None
+    return follow(design) if planned(design).duration <= _SHORT * design.gnss.interval else None
 
 
 async def followed(
     design: Design,
-    states: int = 0,
     file: File | None = None,
     lengths: bool = False,
     *,
@@ -191,9 +184,9 @@ async def followed(
     flown: Followed | None = None
     if file is None and not lengths:
         # A short flight is not worth a process that ends with the next step of a slider.
-        flown = await run_in_pool(follow_if_short, design, states)
+        flown = await run_in_pool(follow_if_short, design)
     if flown is None:
-        flown = await run_alone(follow, design, states, file, lengths, progress=progress)
+        flown = await run_alone(follow, design, file, lengths, progress=progress)
     return flown
 
 

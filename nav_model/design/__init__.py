@@ -23,9 +23,12 @@ from nav_model.design.parts import (
     PARTS,
     PRESET_KEYS,
     TOP_KEYS,
+    Accelerometer,
     Coast,
+    Filter,
     Flight,
     Gnss,
+    Gyro,
     Imu,
     Motion,
     Oscillator,
@@ -57,11 +60,12 @@ _KEYS = {
 
 
 class Design:
-    """One design, immutable: a name, a description and ten parts.
+    """One design, immutable: a name, a description and its parts.
 
     Attributes
     ----------
-    imu, gnss, flight, coast, radar, motion, oscillator, processing, trajectory, requirements
+    imu, gyro, accelerometer, gnss, filter, flight, coast, radar, motion, oscillator, processing, trajectory, \
+    requirements
         The parts; every quantity in SI.
     written : mapping
         Dotted key -> unit the value was written in, for showing and saving it the way it came.
@@ -77,7 +81,10 @@ class Design:
     """
 
     imu: Imu
+    gyro: Gyro
+    accelerometer: Accelerometer
     gnss: Gnss
+    filter: Filter
     flight: Flight
     coast: Coast
     radar: Radar

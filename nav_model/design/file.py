@@ -17,7 +17,7 @@ from nav_model.base.text.toml_text import read_toml
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BASE_LINE, BaseQuantity
 from nav_model.design.notes import noted_origins
-from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, TOP_KEYS, Input
+from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, RENAMED, TOP_KEYS, Input
 from nav_model.design.presets import preset_fill, preset_of
 from nav_model.design.table import Table
 from nav_model.design.user_entries import ENTRY_KEYS, read_entries
@@ -111,7 +111,8 @@ def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, A
         if not equals:
             raise InputError(change, f'has no "=". Write {KEY_VALUE}.')
         text = text.strip()  # in quotes as in a file, where the shell has left them
-        stated[key.strip()] = text[1:-1].strip() if len(text) > 1 and text[0] == text[-1] == '"' else text
+        key = key.strip()
+        stated[RENAMED.get(key, key)] = text[1:-1].strip() if len(text) > 1 and text[0] == text[-1] == '"' else text
     # Presets first: a value stated beside a preset comes on top of it, whatever the order.
     for key, text in sorted(stated.items(), key=lambda change: change[0] not in PRESET_KEYS):
         section, _, name = key.rpartition(".")

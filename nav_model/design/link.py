@@ -9,13 +9,13 @@ equal design with the same origins.
 import json
 from functools import lru_cache
 from typing import Any
-from urllib.parse import parse_qsl, quote_plus, urlencode
+from urllib.parse import parse_qsl, quote_plus, unquote_plus, urlencode
 
 from nav_model.base.errors import InputError
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
-from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, TOP_KEYS, Gnss
+from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, RENAMED, TOP_KEYS, Gnss
 from nav_model.design.presets import preset_fill
 from nav_model.design.rows import Rows
 from nav_model.design.table import Table
@@ -36,6 +36,9 @@ _SHORT: dict[str, str] = {
     for section, inputs in INPUTS.items()
     for name, declaration in inputs.items()
 }
+_SHORT_OF = {key: short for short, key in _SHORT.items()}
+_ARE_INPUTS = "simulation.states", "trajectory.states", "simulation.added"
+"""Settings of studies, in links of before, that are inputs of the design."""
 _OUTDATED = {short: key for key, (short, _) in OUTDATED.items()}
 _PRESET_SHORT = {key.partition(".")[0]: key for key in PRESET_KEYS}
 _TO_ASCII = {"√Hz": "sqrt(Hz)", "√h": "sqrt(h)", "√s": "sqrt(s)", "µ": "u", "°": "deg", "²": "^2", " ": ""}
@@ -71,7 +74,22 @@ def split_link(query: str) -> tuple[str, str]:
     parts = query.removeprefix("?").split("&")
     prefixes = (STUDY_PREFIX, *(f"{kind}." for kind in SETTINGS))
     study = [part for part in parts if part.startswith(prefixes)]
-    return "&".join(part for part in parts if not part.startswith(prefixes)), "&".join(study)
+    of_design = [part for part in parts if not part.startswith(prefixes)]
+    moved = {key: text for part in study for key, text in _inputs_now(part)}
+    names = {part.partition("=")[0] for part in of_design}
+    of_design += [urlencode({_SHORT_OF[key]: text}) for key, text in moved.items() if _SHORT_OF[key] not in names]
+    return "&".join(of_design), "&".join(part for part in study if part.partition("=")[0] not in _ARE_INPUTS)
+
+
+def _inputs_now(setting: str) -> list[tuple[str, str]]:
+    """Keys and texts of the inputs that a study's setting of before has become."""
+    name, _, text = setting.partition("=")
+    if name.endswith(".states") and name in _ARE_INPUTS:
+        return [("filter.states", text)]
+    if name not in _ARE_INPUTS:
+        return []
+    pairs = ((RENAMED.get(key, key), value) for key, value in parse_qsl(unquote_plus(text)))
+    return [(key, value) for key, value in pairs if key in _SHORT_OF]
 
 
 def pairs_of(query: str) -> list[tuple[str, str]]:

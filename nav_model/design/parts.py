@@ -9,23 +9,26 @@ from typing import Any
 
 from nav_model.base.errors import InputError
 from nav_model.design.declaration import BaseQuantity
+from nav_model.design.filter import Filter
 from nav_model.design.flight import Coast, Flight
 from nav_model.design.motion import Motion, Oscillator
 from nav_model.design.part import Input, Part
 from nav_model.design.processing import Processing
 from nav_model.design.radar import Radar
 from nav_model.design.requirements import Requirements
+from nav_model.design.sensor_errors import Accelerometer, Gyro
 from nav_model.design.sensors import Gnss, Imu
 from nav_model.design.trajectory import Trajectory
 
 __all__ = [
-    "INPUTS", "LONGEST_ORIGIN", "OUTDATED", "PARTS", "PRESET_KEYS", "TOP_KEYS", "Coast", "Flight", "Gnss",
-    "Imu", "Input", "Motion", "Oscillator", "Part", "Processing", "Radar", "Requirements", "Trajectory",
-    "all_keys", "declaration_of", "labelled", "quantity",
+    "INPUTS", "LONGEST_ORIGIN", "OUTDATED", "PARTS", "PRESET_KEYS", "RENAMED", "TOP_KEYS", "Accelerometer", "Coast",
+    "Filter", "Flight", "Gnss", "Gyro", "Imu", "Input", "Motion", "Oscillator", "Part", "Processing", "Radar",
+    "Requirements", "Trajectory", "all_keys", "declaration_of", "labelled", "quantity",
 ]  # fmt: skip
 
 PARTS: tuple[type[Part], ...] = (
-    Imu, Gnss, Flight, Coast, Radar, Motion, Oscillator, Processing, Trajectory, Requirements
+    Imu, Gyro, Accelerometer, Gnss, Filter, Flight, Coast, Radar, Motion, Oscillator, Processing, Trajectory,
+    Requirements,
 )  # fmt: skip
 """The sections of a design, in the order of the file."""
 
@@ -41,6 +44,12 @@ OUTDATED: dict[str, tuple[str, str]] = {
     "processing.leg_before": ("lb", "the smoother starts from the settled filter [P-3]")
 }
 """Inputs that files, links and commands of before may have, without effect: short name in links, and why."""
+
+RENAMED: dict[str, str] = {
+    "receiver.velocity_noise": "gnss.velocity_noise",
+    **{f"receiver.lever_{way}": f"gnss.lever_{way}" for way in ("forward", "right", "down")},
+}
+"""Names of before for inputs, in commands and links -> their keys."""
 
 PRESET_KEYS = tuple(f"{part.section}.preset" for part in PARTS if "preset" in part.param)
 """Keys that name an entry of the catalogue."""

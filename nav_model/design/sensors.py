@@ -1,5 +1,7 @@
 """Inputs of the inertial unit and of the receiver."""
 
+from typing import Any
+
 from nav_model.base.constants import DEGREE, DEGREE_PER_HOUR, MILLI_G
 from nav_model.design.declaration import SWITCH, Alternative, Choice, OptionalQuantity, Quantity
 from nav_model.design.part import Part, preset
@@ -103,6 +105,23 @@ class Imu(Part):
         datasheet='"Output data rate".',
         typical="100 to 2000 Hz",
         variable=False,
+    )
+
+
+def _lever(short: str, way: str, label: str) -> Any:
+    return Quantity(
+        default=0.0,
+        dimension="length",
+        unit="m",
+        short=short,
+        bounds=(-200.0, 200.0),
+        softbounds=(-5.0, 5.0),
+        label=f"Antenna {label}",
+        doc=f"Antenna relative to the IMU, {way} in body axes; the filter knows it. Used along flights and in runs.",
+        datasheet="Measured at installation.",
+        typical="0 to 3 m",
+        variable=False,
+        since="0.2.0",
     )
 
 
@@ -273,3 +292,6 @@ class Gnss(Part):
         typical="multipath 30 to 100 s in flight, atmosphere 1000 s and more",
         needs=("correlated",),
     )
+    lever_forward = _lever("glf", "positive forward", "forward")
+    lever_right = _lever("glr", "positive to the right", "to the right")
+    lever_down = _lever("gld", "positive down", "below")

@@ -55,7 +55,10 @@ class SweepFlight:
         InputError
             As `nav_model.simulation.design_study.specification`.
         """
-        return specification(design, **vars(self))  # its fields are named as the options are
+        options = dict(vars(self))  # named as the options are
+        if states := options.pop("states"):
+            design = design.replace({"filter.states": states})
+        return specification(design, **options)
 
 
 def read_flight(table: Any, folder: Path) -> SweepFlight:
@@ -142,8 +145,9 @@ def check_flight(flight: SweepFlight, design: Design) -> None:
     try:
         flight.specification(design)
     except InputError as error:
-        if "." not in error.key:
-            raise error.under(f"simulate.{error.key}") from error
+        key = "states" if error.key == "filter.states" and flight.states else error.key
+        if "." not in key:
+            raise error.under(f"simulate.{key}") from error
 
 
 def fly(flight: SweepFlight, design: Design) -> dict[str, float | str]:

@@ -16,7 +16,6 @@ Import from the modules; this one imports nothing, so that the commands start fa
     monte_carlo.py      simulate(spec, ...): all the runs, here, in a pool or on a cluster (cluster.py)
     result.py           SimulationResult: rms, sigmas, percentiles, consistency; to_json, to_arrays, to_csv
     design_study.py     Design -> SimulationSpec, and a study beside the closed forms of its design
-    study_inputs.py     what a study may add to a design: sensor errors, receiver, tuning
     departures.py       where closed form and simulation differ, and why
     conditions.py       how the simulated world differs from that of the closed forms
 

@@ -5,12 +5,12 @@ import math
 from nav_model.budget.fast import not_flown
 from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
-from nav_model.design.parts import Trajectory
+from nav_model.design.parts import Trajectory, quantity
 from nav_model.design.trajectory import AIDING
 from nav_model.earth.wgs84 import normal_gravity
-from nav_model.simulation.departures import closed_velocity_noise, unmodelled
+from nav_model.simulation.departures import unmodelled
+from nav_model.simulation.design_study import beyond_formulas
 from nav_model.simulation.specification import SimulationSpec
-from nav_model.simulation.study_inputs import STUDY_KEYS, added
 
 
 def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
@@ -27,10 +27,10 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
             f"The simulator uses WGS 84 normal gravity, {local:.5f} m/s² at the start of the flight; the "
             f"formulas use the design's {flight.gravity:.5f} m/s² ({100 * (flight.gravity / local - 1):+.2f} %)."
         )
-    more = {key: v for key, v in added(spec, closed_velocity_noise(design)).items() if not key.startswith("filter.")}
+    more = {key: value for key, value in beyond_formulas(design).items() if not key.startswith("filter.")}
     if more:
-        listed = ", ".join(f"{_named(key)} {STUDY_KEYS[key].show(value)}" for key, value in more.items())
-        sentences.append(f"Simulated in addition to the design and not in the formulas: {listed}.")
+        listed = ", ".join(f"{_named(key)} {quantity(key).show(value)}" for key, value in more.items())
+        sentences.append(f"Simulated and not in the formulas: {listed}.")
     if spec.imu.accelerometer.residual_bias or spec.imu.gyro.residual_bias:
         sentences.append(
             "Residual biases, drawn for each run, act from the last fix on while no fix comes. The formulas include "
@@ -51,16 +51,16 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
     given = [in_sentence(q.label) for q in declared if getattr(design.trajectory, str(q.name)) != q.default]
     if given:
         sentences.append(f"From the plan, the runs include {', '.join(given)}; the formulas do not.")
-    sentences += _of_the_filter(spec)
+    sentences += _of_the_filter(design, spec)
     sentences.append(
         "Errors start at the formula's steady-state sigmas "
-        f"(yaw {STUDY_KEYS['filter.initial_yaw'].show(spec.initial.yaw)}), without correlations, which build "
+        f"(yaw {quantity('filter.initial_yaw').show(spec.initial.yaw)}), without correlations, which build "
         "up first. Fixes come at the IMU sample nearest to each multiple of the interval."
     )
     return tuple(sentences)
 
 
-def _of_the_filter(spec: SimulationSpec) -> list[str]:
+def _of_the_filter(design: Design, spec: SimulationSpec) -> list[str]:
     """Differences of this filter from the exact one for the simulated errors."""
     sentences = []
     missing = [it for it in unmodelled(spec) if "bias" not in it and "GNSS" not in it and "tuning" not in it]
@@ -75,7 +75,7 @@ def _of_the_filter(spec: SimulationSpec) -> list[str]:
             "the filter has one state for the sum, a random walk of the same drive 2σ²/τ: exact for times short "
             "against the correlation time, pessimistic for long ones. The filter of 21 states keeps the two apart."
         )
-    scales = {key: value for key, value in added(spec).items() if key.endswith("noise_scale")}
+    scales = {key: value for key, value in beyond_formulas(design).items() if key.endswith("noise_scale")}
     if scales:
         listed = " and ".join(f"{_named(key)} {value:g}" for key, value in scales.items())
         sentences.append(f"The filter is mistuned on purpose: {listed}, applied to standard deviations.")
@@ -84,5 +84,5 @@ def _of_the_filter(spec: SimulationSpec) -> list[str]:
 
 def _named(key: str) -> str:
     section = key.partition(".")[0]
-    label = in_sentence(STUDY_KEYS[key].label)
-    return label if section in ("receiver", "filter") else f"{section} {label}"
+    label = in_sentence(quantity(key).label)
+    return label if section in ("gnss", "filter") else f"{section} {label}"

@@ -89,7 +89,6 @@ class Chain:
     settled filter on a flat Earth [T-8]. settling: the same filter from the study's start and through its outages.
     earth: the simulator's filter with the design's white noises and slow GNSS error, flown straight and level.
     flight: the same along the study's flight.
-    velocity: of one fix, that the closed form has, as `closed_velocity_noise`.
     """
 
     bare: FloatArray
@@ -97,13 +96,6 @@ class Chain:
     settling: FloatArray
     earth: FloatArray
     flight: FloatArray
-    velocity: float | None
-
-
-def closed_velocity_noise(design: Design) -> float | None:
-    """Velocity noise of one fix, horizontal [m/s], that the closed form has; None without velocity fixes."""
-    velocity = inputs_of(design).velocity_of_fix
-    return None if velocity is None else float(velocity[0])
 
 
 def chain(design: Design, spec: SimulationSpec) -> Chain:
@@ -114,8 +106,6 @@ def chain(design: Design, spec: SimulationSpec) -> Chain:
 @lru_cache(maxsize=4)
 def _chain(design: Design, spec: SimulationSpec) -> Chain:
     x, imu, gnss = inputs_of(design), spec.imu, spec.gnss
-    velocity = x.velocity_of_fix
-    velocity_noise = (None, None) if velocity is None else (float(velocity[0]), float(velocity[1]))
     plain = replace(
         spec,
         imu=ImuModel(
@@ -128,8 +118,8 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
             gnss.position_noise,
             gnss.vertical_position_noise,
             gnss.interval,
-            velocity_noise=velocity_noise[0],
-            vertical_velocity_noise=velocity_noise[1],
+            velocity_noise=gnss.velocity_noise,
+            vertical_velocity_noise=gnss.vertical_velocity_noise,
             markov_noise=gnss.markov_noise,
             vertical_markov_noise=gnss.vertical_markov_noise,
             markov_time=gnss.markov_time,
@@ -171,7 +161,7 @@ def _chain(design: Design, spec: SimulationSpec) -> Chain:
         fly_without_errors(s).filter_sigma[POSTERIOR, :, :9]
         for s in (replace(plain, trajectory=_straight(spec)), plain)
     )
-    return Chain(flat[0], flat[1], _settling(plain, float(x.g)), earth, flight, velocity_noise[0])
+    return Chain(flat[0], flat[1], _settling(plain, float(x.g)), earth, flight)
 
 
 def _settling(spec: SimulationSpec, gravity: float) -> FloatArray:
@@ -277,7 +267,7 @@ def departures(result: SimulationResult, links: Chain, settling_s: float = 60.0)
                     float(ratio[worst]),
                     float(ratio[worst]) * off,
                     named,
-                    in_words(named, result.spec, links.velocity),
+                    in_words(named, result.spec),
                 )
             )
     return stretches
@@ -289,18 +279,18 @@ def _that_matter(steps: list[tuple[str, float]]) -> tuple[tuple[str, float], ...
     return tuple((key, factor) for key, factor in steps if abs(math.log(factor)) >= least)
 
 
-def in_words(steps: tuple[tuple[str, float], ...], spec: SimulationSpec, velocity: float | None) -> str:
+def in_words(steps: tuple[tuple[str, float], ...], spec: SimulationSpec) -> str:
     """The steps as a sentence: each cause with its factor and its input in this study."""
-    return "; ".join(f"{cause_in_words(key, spec, velocity)} (×{factor:.2f})" for key, factor in steps) or SMALL
+    return "; ".join(f"{cause_in_words(key, spec)} (×{factor:.2f})" for key, factor in steps) or SMALL
 
 
-def cause_in_words(key: str, spec: SimulationSpec, velocity: float | None) -> str:
-    """A key of `CAUSES` in words, with its input in this study; ``velocity`` as `closed_velocity_noise`."""
-    behind = {"filter": instruments_beside(spec, velocity), "errors": unmodelled(spec)}.get(key, [])
+def cause_in_words(key: str, spec: SimulationSpec) -> str:
+    """A key of `CAUSES` in words, with its input in this study."""
+    behind = {"filter": instruments_beside(spec), "errors": unmodelled(spec)}.get(key, [])
     return CAUSES[key] + (f": {', '.join(behind)}" if behind else "")
 
 
-def instruments_beside(spec: SimulationSpec, velocity: float | None) -> list[str]:
+def instruments_beside(spec: SimulationSpec) -> list[str]:
     """Inputs that the filter models and the closed form does not."""
     gyro, accelerometer, tuning = spec.imu.gyro, spec.imu.accelerometer, spec.filter
     moving = gyro.biased or accelerometer.biased
@@ -315,7 +305,6 @@ def instruments_beside(spec: SimulationSpec, velocity: float | None) -> list[str
         ),
         (tuning.process_noise_scale != 1.0, f"process noise setting ×{tuning.process_noise_scale:g}"),
         (tuning.gnss_noise_scale != 1.0, f"fix noise setting ×{tuning.gnss_noise_scale:g}"),
-        (spec.gnss.velocity_noise != velocity, "velocity fixes"),
         (spec.aiding.has_heading, "heading of two antennas"),
         (spec.aiding.has_height, "the barometer"),
         (spec.gnss.bank_limit is not None, "fixes lost in a bank"),
@@ -338,6 +327,7 @@ def unmodelled(spec: SimulationSpec) -> list[str]:
         (spec.radar_time_offset > 0.0, "the radar's time offset"),
         (any(m.scale_factor for m in triads), "scale factor errors"),
         (any(m.misalignment for m in triads), "misalignment"),
+        (spec.imu.gyro.g_sensitivity > 0.0, "g-sensitivity"),
         (any(m.quantization for m in triads), "quantization"),
         (tuning.process_noise_scale != 1.0 or tuning.gnss_noise_scale != 1.0, "mismatched tuning"),
     )

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,17 +20,19 @@ from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
+from nav_model.design.parts import Accelerometer, Filter, Gyro, quantity
 from nav_model.simulation.specification import (
     SLOW_STATES,
     TRAJECTORY_KINDS,
     Aids,
+    FilterModel,
     GnssModel,
     ImuModel,
     InitialSigma,
     SimulationSpec,
     TrajectorySpec,
+    TriadModel,
 )
-from nav_model.simulation.study_inputs import NOTHING_ADDED, STUDY_KEYS, SimulationInputs, added
 
 if TYPE_CHECKING:
     from nav_model.simulation.departures import Departure
@@ -53,20 +55,18 @@ def specification(
     duration: float = 500.0,
     outages: Sequence[tuple[float, float]] = (),
     every: float = 1.0,
-    states: int = 0,
     keep_runs: bool = False,
-    more: SimulationInputs = NOTHING_ADDED,
 ) -> SimulationSpec:
     """The study of a design.
 
-    The IMU takes the design's random walks with its vibration factor, its rate, and its residual biases, that of
-    vibration among them: drawn for each run, they act from the last fix on while no fix comes. GNSS takes the fix
-    noise, horizontal and vertical, the interval, the velocity noise, and the slow error where it is switched on; a
-    velocity noise in `more` holds for all axes. Two antennas, barometer, errors of lever arm and time, the bank that
-    loses fixes and what follows a loss are those of the design's section [trajectory]. The flight starts at the
-    design's latitude, altitude, speed and heading. Errors start at the closed form's horizontal steady-state sigmas
-    [T-3] on all axes, position with the slow error of the fixes where the filter knows it, so that little time is
-    spent settling; yaw starts at 0.1°.
+    The IMU takes the design's random walks with its vibration factor, its rate, all errors of the sections [gyro] and
+    [accelerometer], and its residual biases, that of vibration among them: drawn for each run, they act from the last
+    fix on while no fix comes. GNSS takes the fix noise, horizontal and vertical, the interval, the velocity noise,
+    the lever arm, and the slow error where it is switched on. The filter is that of the section [filter]. Two
+    antennas, barometer, errors of lever arm and time, the bank that loses fixes and what follows a loss are those of
+    the design's section [trajectory]. The flight starts at the design's latitude, altitude, speed and heading. Errors
+    start at the closed form's horizontal steady-state sigmas [T-3] on all axes, position with the slow error of the
+    fixes where the filter knows it, so that little time is spent settling; yaw starts at the initial heading error.
 
     Parameters
     ----------
@@ -80,29 +80,26 @@ def specification(
         Of the flight, and between results, s.
     outages : sequence of pair, optional
         Start and end of each, s.
-    states : int, optional
-        Of the filter, as `FILTER_STATES` has them; 0 for one that knows what the design and `more` declare: 9; 15
-        where a sensor has a bias, constant or varying; 21 where one has both; and 3 more for a slow GNSS error.
     keep_runs : bool, optional
         True to keep every run's arrays.
-    more : SimulationInputs, optional
-        Sensor errors, receiver and tuning beyond the design.
 
     Raises
     ------
     InputError
         Naming the key of the design, or the option, that cannot be flown.
     """
-    imu, gnss, section = design.imu, design.gnss, design.trajectory
-    settled, velocity = analyse(design).steady_state.closed, _velocity_noise(design, more)
+    imu, gnss, section, tuning = design.imu, design.gnss, design.trajectory, design.filter
+    settled, velocity = analyse(design).steady_state.closed, inputs_of(design).velocity_of_fix or (None, None)
     longest = max((stop - start for start, stop in outages), default=0.0)
     if longest > LONGEST_OUTAGE:
         raise InputError("outage", f"{longest:g} s are too long. Give at most {LONGEST_OUTAGE:g} s.", longest)
     if late := [start for start, _ in outages if start >= duration]:
         raise InputError("outage", f"{late[0]:g} s is after the flight, which ends at {duration:g} s.", late[0])
     slow = inputs_of(design).slow
-    gyro = more.triad("gyro", imu.angle_random_walk, imu.gyro_bias)
-    accelerometer = more.triad("accelerometer", imu.velocity_random_walk, float(inputs_of(design).bias))
+    gyro = TriadModel(imu.angle_random_walk, residual_bias=imu.gyro_bias, **_errors(design.gyro))
+    accelerometer = TriadModel(
+        imu.velocity_random_walk, residual_bias=float(inputs_of(design).bias), **_errors(design.accelerometer)
+    )
     triads = gyro, accelerometer
     inertial = 21 if any(m.mixed for m in triads) else 15 if any(m.biased for m in triads) else 9
     return SimulationSpec(
@@ -119,9 +116,9 @@ def specification(
             markov_noise=0.0 if slow is None else float(np.asarray(slow.horizontal)),
             vertical_markov_noise=0.0 if slow is None else float(np.asarray(slow.vertical)),
             markov_time=gnss.correlation_time,
-            velocity_noise=velocity[0],
-            vertical_velocity_noise=velocity[1],
-            lever_arm=more.lever_arm(),
+            velocity_noise=None if velocity[0] is None else float(velocity[0]),
+            vertical_velocity_noise=None if velocity[1] is None else float(velocity[1]),
+            lever_arm=(gnss.lever_forward, gnss.lever_right, gnss.lever_down),
             lever_arm_error=section.lever_arm_error,
             time_offset=section.time_offset,
             bank_limit=section.bank_limit,
@@ -136,12 +133,17 @@ def specification(
             barometer_time=section.barometer_correlation_time,
         ),
         trajectory=named_flight(design, trajectory) if isinstance(trajectory, str) else trajectory,
-        filter=more.filter(states or inertial + (SLOW_STATES if slow else 0)),
+        filter=FilterModel(
+            states=tuning.states or inertial + (SLOW_STATES if slow else 0),
+            propagation_rate=tuning.propagation_rate,
+            process_noise_scale=tuning.process_noise_scale,
+            gnss_noise_scale=tuning.gnss_noise_scale,
+        ),
         initial=InitialSigma(
             position=settled["horizontal_position"],
             velocity=settled["horizontal_velocity"],
             tilt=settled["tilt"],
-            yaw=more["filter.initial_yaw"] or 0.0,
+            yaw=tuning.initial_yaw,
         ),
         runs=runs,
         seed=seed,
@@ -153,12 +155,17 @@ def specification(
     )
 
 
-def _velocity_noise(design: Design, more: SimulationInputs) -> tuple[float | None, float | None]:
-    """Velocity noise of one fix at the density of the design's, horizontal and vertical, unless the study gives
-    another."""
-    velocity = inputs_of(design).velocity_of_fix
-    other: float | None = more["receiver.velocity_noise"]
-    return (other, other) if other is not None or velocity is None else (float(velocity[0]), float(velocity[1]))
+def _errors(sensor: Gyro | Accelerometer) -> dict[str, float]:
+    """Errors of a sensor beyond its white noise, by the names of a `TriadModel`."""
+    return {name: getattr(sensor, name) for name in sensor.inputs()}
+
+
+def beyond_formulas(design: Design) -> dict[str, float]:
+    """Numbers that runs and flights take and the formulas do not, where they are given: key -> value, SI."""
+    keys = [f"{part.section}.{name}" for part in (Gyro, Accelerometer, Filter) for name in part.inputs()]
+    keys += [f"gnss.lever_{way}" for way in ("forward", "right", "down")]
+    numbers = [key for key in keys if key != "filter.states" and design.uses(key)]
+    return {key: value for key in numbers if (value := cast("float", design[key])) != quantity(key).default}
 
 
 def named_flight(design: Design, kind: str) -> TrajectorySpec:
@@ -321,7 +328,6 @@ def to_document(study: SimulationStudy) -> dict[str, Any]:
 
     ``refined_sigma_m`` of each position axis is null outside outages.
     """
-    from nav_model.simulation.departures import closed_velocity_noise
     from nav_model.simulation.result import to_json
 
     document = to_json(study.result)
@@ -344,7 +350,6 @@ def to_document(study: SimulationStudy) -> dict[str, Any]:
         for departure in study.departures
     ]
     document["conditions"] = list(study.conditions)
-    beyond = added(study.result.spec, closed_velocity_noise(study.design))
-    document["added"] = {key: STUDY_KEYS[key].show(value) for key, value in beyond.items()}
+    document["added"] = {key: quantity(key).show(value) for key, value in beyond_formulas(study.design).items()}
     document["design"] = study.design.name
     return document

@@ -336,6 +336,9 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
     if any(residual):
         acting = np.concatenate([[0.0], schedule.unaided > 0.0]) / imu.rate
         increments = increments + acting[:, None] * np.repeat(residual, 3) * start_noise.standard_normal(6)
+    if imu.gyro.g_sensitivity:
+        rates = imu.gyro.g_sensitivity * start_noise.standard_normal(3) * increments[:, :GYRO]
+        increments = np.hstack([increments[:, :GYRO], increments[:, GYRO:] + rates])
     sigma = initial_sigma(spec)
     draw = sigma[:9] * start_noise.standard_normal(9) * (1.0 if noisy else 0.0)
     bias = np.zeros(12)

@@ -10,18 +10,10 @@ from itertools import pairwise
 from typing import Final, Literal, get_args
 
 from nav_model.base.errors import InputError
+from nav_model.design.filter import FILTER_STATES
 
 TrajectoryKind = Literal["wandering", "straight", "turns", "climb", "file"]
 TRAJECTORY_KINDS: Final[tuple[str, ...]] = get_args(TrajectoryKind)
-FILTER_STATES: Final = {
-    9: "no biases, no slow error",
-    12: "slow GNSS error",
-    15: "biases",
-    18: "biases, slow GNSS error",
-    21: "constant and varying biases",
-    24: "both kinds of bias, slow GNSS error",
-}
-"""Number of states of a filter -> what it estimates beyond position, velocity and attitude."""
 SLOW_STATES: Final = 3
 HIGHEST_LATITUDE: Final = math.radians(85.0)
 
@@ -34,6 +26,7 @@ _GIVEN_AS: Final = {
     "TrajectorySpec.latitude": "flight.latitude",
     "TrajectorySpec.height": "flight.altitude",
     "outages": "outage",
+    "FilterModel.states": "filter.states",
 }
 
 
@@ -44,7 +37,7 @@ def refused(name: str, value: object, allowed: str) -> InputError:
     """
     key = _GIVEN_AS.get(name, name.rpartition(".")[2])
     text = repr(value)
-    if "." in key and isinstance(value, float | int):
+    if "." in key and isinstance(value, float):
         from nav_model.design.parts import quantity
 
         text = quantity(key).show(float(value))
@@ -83,6 +76,7 @@ class TriadModel:
     rate_random_walk: density of the white noise that drives a random walk of the output [unit / sqrt(s)].
     scale_factor, misalignment: drawn once per run, each axis [-], each of the six small angles [rad].
     quantization: size of one count of the integrated output (angle rad, velocity m/s); 0 for none.
+    g_sensitivity: of gyros, output by specific force along each axis, drawn once per run [rad/s per m/s²].
     residual_bias: what the filter has not absorbed at the last fix [unit]; it acts from there on while no fix comes.
     """
 
@@ -94,6 +88,7 @@ class TriadModel:
     scale_factor: float = 0.0
     misalignment: float = 0.0
     quantization: float = 0.0
+    g_sensitivity: float = 0.0
     residual_bias: float = 0.0
 
     def __post_init__(self) -> None:

@@ -80,11 +80,10 @@ def planned(design: Design, number: int = 0, longer: float = 0.0) -> PlannedFlig
         return fly(lengthened(plan, number, longer) if longer else plan)
 
 
-def along_flight(design: Design, flight: PlannedFlight, states: int = 0) -> CovarianceSpec:
+def along_flight(design: Design, flight: PlannedFlight) -> CovarianceSpec:
     """The covariance along a flight of the design, with the outages of its plan and at most `_MOST_RESULTS`.
 
-    states: of the filter, as `simulation.design_study.specification` takes it. Raises InputError as that and
-    `covariance_specification`.
+    Raises InputError as `simulation.design_study.specification` and `covariance_specification`.
     """
     study = specification(
         design,
@@ -93,7 +92,6 @@ def along_flight(design: Design, flight: PlannedFlight, states: int = 0) -> Cova
         duration=flight.duration,
         outages=design.trajectory.outages,
         every=max(1.0, round(flight.duration / _MOST_RESULTS)),
-        states=states,
     )
     # A straight flight that is no plan judges only what the straight leg does not.
     every = design.trajectory.planned or flight.trajectory.kind != "straight"

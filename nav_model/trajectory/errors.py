@@ -36,7 +36,7 @@ from nav_model.simulation.truth import TruthStates, specific_force_and_rate, tru
 from nav_model.simulation.tuning import tuning_of
 from nav_model.trajectory.residual import HEADING_DRIFT, residual_biases
 from nav_model.trajectory.specification import CovarianceSpec
-from nav_model.trajectory.states import MEASURED_BY, RADAR_TIME, SLOW_AIDS, States, states_of
+from nav_model.trajectory.states import G_SENSITIVITY, MEASURED_BY, RADAR_TIME, SLOW_AIDS, States, states_of
 
 FloatArray = NDArray[np.float64]
 _LARGEST_TURN = math.radians(3.0)  # of the body between two nodes
@@ -280,6 +280,8 @@ def _of_all_states(rows: FloatArray, sensed: FloatArray, states: States) -> Floa
             f"{name} scale factor": np.einsum("kraa->kra", by_axis),
             f"{name} misalignment": by_axis[:, :, off],
         }
+        if name == "gyro":
+            effects[G_SENSITIVITY] = error * sensed[:, None, :GYRO]
         for group in effects.keys() & states.first.keys():
             first = states.first[group]
             extended[:, :, first : first + effects[group].shape[2]] = effects[group]

@@ -134,10 +134,9 @@ class _Candidate(NamedTuple):
 
 
 class _Question(NamedTuple):
-    """A plan, the states of the filter, its lines as flown, and the names of the lines that fail."""
+    """A plan, its lines as flown, and the names of the lines that fail."""
 
     plan: _Plan
-    states: int
     lines: tuple[LineResult, ...]
     names: tuple[str, ...]
 
@@ -158,7 +157,6 @@ class _Answer(NamedTuple):
 def manoeuvres(
     design: Design,
     line: str = "",
-    states: int = 0,
     progress: Callable[[float, str], None] = lambda share, what: None,
     flight: PlannedFlight | None = None,
 ) -> Manoeuvres:
@@ -170,8 +168,6 @@ def manoeuvres(
         With its flight plan and at least one limit on a figure of a flight.
     line : str
         Name of a line; empty for all.
-    states : int
-        Of the filter, as `simulation.design_study.specification` takes it.
     progress : callable
         Called with the share done and what is flown.
     flight : PlannedFlight, optional
@@ -185,7 +181,7 @@ def manoeuvres(
     progress(0.0, "The flight as planned")
     plan = _Plan(design, flight) if flight else _planned(design)
     note = _NO_PLAN if flight or design.trajectory.flight not in (LINES, WAYPOINTS) else ""
-    lines = lines_along(along_flight(design, plan.flight, states))
+    lines = lines_along(along_flight(design, plan.flight))
     chosen = [result for result in lines if line in ("", result.name)]
     if not chosen:
         known = ", ".join(dict.fromkeys(result.name for result in lines))
@@ -196,7 +192,7 @@ def manoeuvres(
         raise InputError("requirements", "none limits a figure of the flight; give at least one, such as heading")
     if not names:
         return Manoeuvres(chosen[0].name, (), True, figures)
-    question = _Question(plan, states, lines, names)
+    question = _Question(plan, lines, names)
     kinds: list[Iterable[_Candidate]] = [] if note else [*_manoeuvres(question)]
     kinds += _equipment(design)
     options: list[Option] = []
@@ -223,7 +219,7 @@ def _latest(question: _Question, option: Option) -> float:
     """
     design = question.plan.design.replace(option.changes)
     flight = planned(design)
-    spec = along_flight(design, flight, question.states)
+    spec = along_flight(design, flight)
     latest = [option.before_s]
     try:
         if spec.processing == REAL_TIME:
@@ -262,7 +258,7 @@ def _best(
         progress(candidate.name)
         try:
             changed = candidate.apply(question.plan)
-            lines = lines_along(along_flight(*changed, question.states))
+            lines = lines_along(along_flight(*changed))
         except InputError:  # there is no room for it, or no way to it
             continue
         option = _option(question, candidate, changed, lines)

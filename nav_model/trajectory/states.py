@@ -38,6 +38,7 @@ MEASURED_BY: Mapping[str, slice] = {
 RADAR_TIME = "radar time offset"
 SLOW_AIDS: Mapping[str, int] = {"slow heading error": HEADING, "slow barometer error": BAROMETER}
 """Sources of slow errors of the aids, and which measurement has them."""
+G_SENSITIVITY = "gyro g-sensitivity"
 _SHORTEST = 0.01  # s: correlation time of a process with states of its own
 
 
@@ -141,6 +142,7 @@ def states_of(study: SimulationSpec, residual: Mapping[str, float]) -> States:
     for name, model in triads:
         add(f"{name} bias", f"{name} turn-on bias", 3, model.turn_on_bias)
         constant += [(f"{name} scale factor", 3, model.scale_factor), (f"{name} misalignment", 6, model.misalignment)]
+    constant += [(G_SENSITIVITY, 3, imu.gyro.g_sensitivity)]
     for name, count, size_of_one in constant:
         add(name, name, count, size_of_one)
     for name in residual:

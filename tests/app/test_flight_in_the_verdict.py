@@ -1,6 +1,7 @@
 """The flight in a session's verdict: open while it is computed, then one answer on every page."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,9 @@ from nav_model.trajectory.verdict import flown
 pytestmark = pytest.mark.long
 _PLAN = {"trajectory.flight": "lines", "trajectory.lines": 2.0, "trajectory.length": 2000.0}
 _HEADING = math.radians(0.05)
+_GPX = """<gpx><rte><rtept lat="45" lon="11"><ele>3000</ele><name>one</name></rtept>
+<rtept lat="45.03" lon="11"><ele>3000</ele><name>two</name></rtept>
+<rtept lat="45.03" lon="11.05"><ele>3000</ele></rtept></rte></gpx>"""
 
 
 def _tactical(**changes: Any) -> Design:
@@ -209,18 +213,19 @@ async def test_a_flight_is_told_at_the_confidence_of_the_design(flights: list[De
     )
 
 
-async def test_a_study_is_not_the_verdict(flights: list[Design]) -> None:
+async def test_a_study_is_not_the_verdict(flights: list[Design], tmp_path: Path) -> None:
     session = Session(_tactical(requirements__heading=_HEADING))
     page = TrajectoryPage(session)
     await session.with_flight()
-    page.states = 21
-    await soon(lambda: page.run.result is not None and page.run.result.states == 21, "the flight with that filter")
+    path = tmp_path / "plan.gpx"
+    path.write_text(_GPX, encoding="utf-8")
+    study, design = engine.follow(session.design, engine.File("plan.gpx", path)), session.flight.run.result
+    page.run.take(study)
     text = page._strip._text.object
     assert "Study: " in text
-    assert "A filter of 21 states is not the design" in text
+    assert "The flight of plan.gpx is not the design" in text
     assert page._strip._view.css_classes == ["open"]
     assert session.budget.verdict.state == "fails"
-    study, design = page.run.result, session.flight.run.result
     for followed, judged in ((study, False), (design, True)):
         tables = line_list(followed, "heading"), line_table(followed, "heading")
         tones = {cell.tone for table in tables for row in table.rows for cell in row} & {"good", "bad"}

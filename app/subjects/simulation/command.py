@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from app.console.arguments import design_arguments, paths_of, read_design
-from app.console.flight import flight_arguments
+from app.console.flight import changes_of, flight_arguments
 
 
 def add_to(commands: Any) -> None:
@@ -14,12 +14,12 @@ def add_to(commands: Any) -> None:
         "simulate",
         help="run a Monte Carlo of a design and compare it with the formulas",
         description="Runs a Monte Carlo of the design, a strapdown INS with a Kalman filter, and compares the errors "
-        "with the filter covariance and the formulas. --set also takes sensor errors, receiver and filter tuning, "
+        "with the filter covariance and the formulas. --set takes sensor errors, receiver and filter tuning too, "
         "e.g. --set gyro.bias_instability='25 °/h'.",
     )
     design_arguments(simulate, single=True)
     add = simulate.add_argument
-    add("--inputs", action="store_true", help="list the further inputs of --set and stop")
+    add("--inputs", action="store_true", help="list the inputs that runs take and the formulas do not, and stop")
     add("--runs", type=int, default=100, metavar="N", help="independent runs (default 100)")
     add("--seed", type=int, default=1, metavar="S", help="seed of every run (default 1)")
     flight_arguments(simulate, "wandering")
@@ -31,11 +31,9 @@ def add_to(commands: Any) -> None:
 
 def _simulate(options: argparse.Namespace) -> int:
     from app.subjects.simulation.console import list_inputs, simulate_design
-    from nav_model.simulation.study_inputs import read_study_inputs, split_changes
 
     if options.inputs:
         return list_inputs()
     (path,) = paths_of(options)
-    of_design, of_study = split_changes(options.changes)
-    simulate_design(read_design(path, of_design), read_study_inputs(of_study), options)
+    simulate_design(read_design(path, changes_of(options)), options)
     return 0

@@ -10,26 +10,26 @@ from app.console.progress import COMPILES, count_runs
 from app.subjects.simulation.files import FILES, as_json
 from nav_model.base.errors import InputError
 from nav_model.design import Design
+from nav_model.design.declaration import BaseQuantity
+from nav_model.design.parts import Accelerometer, Filter, Gyro
 from nav_model.simulation.design_study import SimulationStudy, closed_form, study_of
 from nav_model.simulation.specification import SimulationSpec
-from nav_model.simulation.study_inputs import NOTHING_ADDED, STUDY_KEYS, STUDY_PARTS, SimulationInputs
 
 _LARGEST_KEPT = 4e9  # bytes: every run's errors are held in memory until they are written
 _PER_SAMPLE = 130  # bytes that a process takes for each sample of the instruments
 
 
 def list_inputs() -> int:
-    """Print every input of a study beyond the design's, with its default and what it is."""
-    for part in STUDY_PARTS:
+    """Print the inputs that runs take and the formulas do not, with default and help."""
+    for part in (Gyro, Accelerometer, Filter):
         print(part.title)
-        for name in part.inputs():
-            declared = STUDY_KEYS[f"{part.section}.{name}"]
-            default = "none" if declared.default is None else declared.show(declared.default)
-            print(f"  {declared.key:36} {default:12} {declared.label}. {declared.doc}")
+        for name, declared in part.inputs().items():
+            default = declared.show(declared.default) if isinstance(declared, BaseQuantity) else declared.default
+            print(f"  {part.section}.{name:24} {default:12} {declared.label}. {declared.doc}")
     return 0
 
 
-def simulate_design(design: Design, more: SimulationInputs, options: argparse.Namespace) -> None:
+def simulate_design(design: Design, options: argparse.Namespace) -> None:
     """Fly a design's runs as the command line says and write the study.
 
     Raises
@@ -38,7 +38,7 @@ def simulate_design(design: Design, more: SimulationInputs, options: argparse.Na
         For an option or a key of the design that cannot be flown, or a file that cannot be written.
     """
     kind = _kind(options)
-    spec = _specification(design, more, options, keep_runs=kind == ".npz")
+    spec = _specification(design, options, keep_runs=kind == ".npz")
     if options.output is None:
         sys.stdout.write(as_json(_run(design, spec, options)).decode())
         return
@@ -55,7 +55,7 @@ def fly_design(design: Design, options: argparse.Namespace) -> SimulationStudy:
     InputError
         For an option or a key of the design that cannot be flown.
     """
-    return _run(design, _specification(design, NOTHING_ADDED, options, keep_runs=False), options)
+    return _run(design, _specification(design, options, keep_runs=False), options)
 
 
 def _kind(options: argparse.Namespace) -> str:
@@ -67,14 +67,12 @@ def _kind(options: argparse.Namespace) -> str:
     return kind
 
 
-def _specification(
-    design: Design, more: SimulationInputs, options: argparse.Namespace, keep_runs: bool
-) -> SimulationSpec:
+def _specification(design: Design, options: argparse.Namespace, keep_runs: bool) -> SimulationSpec:
     for name in ("workers", "runs"):
         value = getattr(options, name)
         if value is not None and value < 1:
             raise InputError(f"--{name}", f"{value} is not allowed. Enter 1 or more.")
-    spec, _ = flight_study(design, more, options, runs=options.runs, seed=options.seed, keep_runs=keep_runs)
+    spec, _ = flight_study(design, options, runs=options.runs, seed=options.seed, keep_runs=keep_runs)
     size = spec.runs * (spec.duration / spec.every) * 8 * spec.filter.inertial
     if keep_runs and size > _LARGEST_KEPT:
         raise InputError(

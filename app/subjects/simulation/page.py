@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
-from urllib.parse import parse_qsl, urlencode
 
 import panel as pn
 import panel_material_ui as pmui
@@ -26,7 +25,6 @@ from app.subjects.simulation.charts import (
     outage_chart,
     path_chart,
 )
-from app.subjects.simulation.controls import StudyControls
 from app.subjects.simulation.files import FILES
 from app.subjects.simulation.run import Flown, fly, subject
 from app.subjects.simulation.tables import conditions_list, departures, run_table, sigma_table, verdict
@@ -48,7 +46,7 @@ from nav_model.design import Design
 from nav_model.design.parts import declaration_of
 from nav_model.design.trajectory import FLIGHT_FILES
 from nav_model.simulation.design_study import SimulationStudy, specification
-from nav_model.simulation.specification import FILTER_STATES, SimulationSpec, TrajectorySpec
+from nav_model.simulation.specification import SimulationSpec, TrajectorySpec
 from nav_model.trajectory.design_study import plan_like, planned
 from nav_model.trajectory.files.reader import parse_file
 
@@ -79,8 +77,8 @@ class SimulatePage(StudyPage[Flown]):
     """Everything below the tab. The page flies its first settings by itself: an example of what it answers."""
 
     kind = "simulation"
-    settings = ("trajectory", "runs", "length", "outages", "seed", "states", "added")
-    moving = ("trajectory", "length", "outages", "states", "added")
+    settings = ("trajectory", "runs", "length", "outages", "seed")
+    moving = ("trajectory", "length", "outages")
     waiting = Answer(
         "Not run yet", "open", ("Press Start to compare simulated errors with the filter and the formulas.",)
     )
@@ -89,17 +87,11 @@ class SimulatePage(StudyPage[Flown]):
     length = param.String(default="300", label="Length [s]")
     outages = param.String(default="200,300", label="Outages [s]")
     seed = param.String(default="1", label="Seed")
-    states = chosen(
-        0, {"by design": 0} | {f"{count}: {known}": count for count, known in FILTER_STATES.items()}, "Filter"
-    )
-    added = param.String(doc="What the study adds to the design, as a query.")
     axis = chosen("north", _AXES, "Axis of the ensemble")
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._file: TrajectorySpec | None = None
-        self._more = StudyControls()
-        self._more.param.watch(lambda event: setattr(self, "added", urlencode(event.new)), "texts")
         self._bar = RunBar(self.run, self.begin, "Start", *self._fields(), strip=True)
         self._stacks: list[Timelines] = []  # made with the first result
         coming = f'<span class="quiet fine">{self.coming}</span>'
@@ -112,11 +104,10 @@ class SimulatePage(StudyPage[Flown]):
         self._view = pn.Column(
             self._strip,
             first_screen(
-                pn.Column(self._bar, self._more.given), left=self._halves[:1], right=self._halves[1:],
+                self._bar, left=self._halves[:1], right=self._halves[1:],
             ),
             Folded(
                 (
-                    ("Advanced: sensor errors, receiver, filter tuning", lambda: self._more),
                     (
                         "Where formula and simulation differ, and why",
                         lambda: details.text(_html(departures, conditions_list)),
@@ -148,7 +139,6 @@ class SimulatePage(StudyPage[Flown]):
             names(choices.length, width=90, visible=from_box, **_LOOK),
             names(choices.outages, placeholder="start,stop; start,stop", width=140, visible=from_box),
             names(choices.seed, width=65, **_LOOK),
-            pmui.Select.from_param(choices.states, width=110, **_LOOK),
         )  # fmt: skip
 
     def _write(self) -> None:
@@ -226,10 +216,6 @@ class SimulatePage(StudyPage[Flown]):
         if not self._settings.text:  # a link's thousand runs are for a person to start
             super()._begin_by_itself()
 
-    def _recall(self) -> bool:
-        self._more.take(dict(parse_qsl(self.added)))
-        return super()._recall()
-
     def _finding(self, flown: Flown) -> SimulationStudy | None:
         return None if flown.partial else flown.study
 
@@ -266,8 +252,6 @@ class SimulatePage(StudyPage[Flown]):
             duration=length,
             outages=outages,
             every=max(1.0, round(length / _POINTS)),
-            states=self.states,
-            more=self._more.inputs,
         )
         if spec.steps > _LONGEST_RUN or spec.steps * spec.runs > _MOST_SAMPLES:
             raise InputError(

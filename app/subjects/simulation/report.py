@@ -43,7 +43,6 @@ def study(design: Design, options: argparse.Namespace) -> SimulationStudy:
         trajectory=options.trajectory,
         height=None,
         every=max(1.0, round((duration or 0.0) / _RESULTS)),
-        states=0,
         workers=options.workers,
         scheduler=None,
     )

@@ -91,7 +91,7 @@ async def fly(run: Run, design: Design, spec: SimulationSpec) -> Flown:
 def subject(design: Design, *, plan: bool) -> tuple[object, ...]:
     """All of a design that runs and formulas follow from: instruments, place, speed and aiding; of a ``plan`` all of
     the trajectory's inputs."""
-    sections = ("imu", "gnss", "flight", "trajectory") if plan else ("imu", "gnss", "flight")
+    sections = ["imu", "gyro", "accelerometer", "gnss", "filter", "flight", *(["trajectory"] if plan else [])]
     return tuple(
         value
         for key, value in design.items()

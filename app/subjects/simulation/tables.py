@@ -5,11 +5,11 @@ from collections.abc import Iterable, Sequence
 
 from app.document.blocks import Answer, Block, Bullets, Row, TableBlock, Text, numbers, table
 from app.document.numbers import NONE, number
-from nav_model.simulation.departures import SMALL, Departure, cause_in_words, closed_velocity_noise
-from nav_model.simulation.design_study import SimulationStudy, moments
+from nav_model.design.parts import quantity
+from nav_model.simulation.departures import SMALL, Departure, cause_in_words
+from nav_model.simulation.design_study import SimulationStudy, beyond_formulas, moments
 from nav_model.simulation.result import STATES
 from nav_model.simulation.single_run import POSTERIOR
-from nav_model.simulation.study_inputs import STUDY_KEYS, added
 
 _FLIGHTS = {
     "wandering": "nearly straight: about 1 m of wander, 1° to 2° of roll, pitch and heading",
@@ -54,7 +54,7 @@ def conditions_list(study: SimulationStudy, _: str) -> Bullets:
 def run_table(study: SimulationStudy, key: str) -> TableBlock:
     """The parameters of the runs."""
     spec = study.result.spec
-    beyond = added(spec, closed_velocity_noise(study.design))
+    beyond = beyond_formulas(study.design)
     outages = "; ".join(f"{start:g} to {stop:g} s" for start, stop in spec.outages) or "none"
     hours = number(spec.runs * spec.duration / 3600, given=True)
     rows = (
@@ -64,7 +64,7 @@ def run_table(study: SimulationStudy, key: str) -> TableBlock:
         ("Fixes", f"every {spec.gnss.interval:g} s; outages: {outages}"),
         ("Filter", f"closed-loop error-state Kalman filter of {spec.filter.states} states"),
         ("IMU", f"strapdown, WGS 84; vibration factor {spec.imu.vibration_factor:g} on both random walks"),
-        *((STUDY_KEYS[name].label, STUDY_KEYS[name].show(value)) for name, value in beyond.items()),
+        *((quantity(name).label, quantity(name).show(value)) for name, value in beyond.items()),
     )
     return table(
         f"{key}-simulation-run",
@@ -149,9 +149,8 @@ def _when(alike: Sequence[Departure]) -> str:
 
 
 def _why(alike: Sequence[Departure], study: SimulationStudy) -> str:
-    velocity = closed_velocity_noise(study.design)
     causes = [
-        f"{cause_in_words(cause, study.result.spec, velocity)} (×{_range(d.steps[place][1] for d in alike)})"
+        f"{cause_in_words(cause, study.result.spec)} (×{_range(d.steps[place][1] for d in alike)})"
         for place, (cause, _) in enumerate(alike[0].steps)
     ]
     text = "; ".join(causes) or SMALL

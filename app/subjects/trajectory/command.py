@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from app.console.arguments import design_arguments, paths_of, put_json, read_design
-from app.console.flight import flight_arguments, flight_study
+from app.console.flight import changes_of, flight_arguments, flight_study
 from app.console.progress import show_progress
 
 _DOES_NOT_CLOSE = 1
@@ -18,9 +18,9 @@ def add_to(commands: Any) -> None:
         "trajectory",
         help="follow the covariance of a design along a flight, with the image figures of every line",
         description="Follows the error covariance of the design along a flight, real time and post-processed, with "
-        "the share of every source: the limit of `simulate` for many runs. --set also takes the inputs that "
-        "`simulate --inputs` lists. The flight is that of the design's section [trajectory], or of a file: plans are "
-        "flown at the design's speed with coordinated turns, recordings as they were flown.",
+        "the share of every source: the limit of `simulate` for many runs. The flight is that of the design's "
+        "section [trajectory], or of a file: plans are flown at the design's speed with coordinated turns, "
+        "recordings as they were flown.",
     )
     design_arguments(trajectory, single=True)
     flight_arguments(trajectory, "plan")
@@ -31,7 +31,6 @@ def add_to(commands: Any) -> None:
 
 def _trajectory(options: argparse.Namespace) -> int:
     from nav_model.budget import analyse
-    from nav_model.simulation.study_inputs import read_study_inputs, split_changes
     from nav_model.trajectory.covariance import covariance
     from nav_model.trajectory.design_study import PLAN, along_flight, covariance_specification
     from nav_model.trajectory.line_length import with_lengths
@@ -40,12 +39,11 @@ def _trajectory(options: argparse.Namespace) -> int:
     from nav_model.trajectory.verdict import checks_of
 
     (path,) = paths_of(options)
-    of_design, of_study = split_changes(options.changes)
-    design = read_design(path, of_design)
-    study, flight = flight_study(design, read_study_inputs(of_study), options)
+    design = read_design(path, changes_of(options))
+    study, flight = flight_study(design, options)
     lines = flight.lines if flight else ()
     # The design's own flight is that of its verdict; another is a study, which judges all that it knows.
-    of_verdict = options.trajectory == PLAN and not (of_study or options.outages or options.states)
+    of_verdict = options.trajectory == PLAN and not options.outages
     if of_verdict and flight and options.duration is None and options.every is None:
         spec = along_flight(design, flight)
     else:

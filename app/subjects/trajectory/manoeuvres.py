@@ -35,7 +35,7 @@ class ManoeuvreBlock(View):
     ----------
     session : Session
     flown : callable
-        States of the filter, 0 as by design, and the file that is flown in place of the plan, if any.
+        The file that is flown in place of the plan, if any.
     share : callable
         Called with the design, the file and the options, for the report.
     """
@@ -45,7 +45,7 @@ class ManoeuvreBlock(View):
     def __init__(
         self,
         session: Session,
-        flown: Callable[[], tuple[int, File | None]],
+        flown: Callable[[], File | None],
         share: Callable[[Design, File | None, Manoeuvres], object],
     ) -> None:
         super().__init__(run=session.new_run())
@@ -58,11 +58,11 @@ class ManoeuvreBlock(View):
 
     def begin(self) -> asyncio.Task[None]:
         """Fly the candidates of the design; those under way are dropped."""
-        design, (states, file) = self._session.design, self._flown()
+        design, file = self._session.design, self._flown()
 
         async def work(run: Run) -> tuple[Design, File | None, Manoeuvres]:
             answer = await run_alone(
-                closing_options, design, states, file, progress=lambda share, what: run.tell(what, share)
+                closing_options, design, file, progress=lambda share, what: run.tell(what, share)
             )
             return design, file, answer
 
@@ -82,7 +82,7 @@ class ManoeuvreBlock(View):
     @property
     def _outdated(self) -> bool:
         design, file, _ = self.run.result
-        return bool(design != self._session.design or file != self._flown()[1])
+        return bool(design != self._session.design or file != self._flown())
 
     def _show(self, _: object) -> None:
         design, file, answer = self.run.result

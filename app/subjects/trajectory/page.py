@@ -47,7 +47,6 @@ from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.parts import Trajectory
 from nav_model.design.trajectory import AIDING, FLIGHT_FILES, LINES, MOST_WAYPOINTS, WAYPOINTS, Rows, row_of
-from nav_model.simulation.specification import FILTER_STATES
 
 if TYPE_CHECKING:
     from nav_model.trajectory.manoeuvre import Manoeuvres
@@ -76,15 +75,12 @@ class TrajectoryPage(StudyPage[Followed]):
     """Everything below the tab. The flight is followed again whenever design or flight change."""
 
     kind = "trajectory"
-    settings = ("states", "figure")
-    moving = ("flight", "states")
+    settings = ("figure",)
+    moving = ("flight",)
     outdated = "Outdated: computed before the change of {moved}. The new result follows."
     waiting = Answer("Working", "open", ("The covariance along the flight follows.",))
     refusal = "Plan not flown"
     flight = chosen("wandering", _FLIGHTS, "Flight")
-    states = chosen(
-        0, {"by design": 0} | {f"{count}: {known}": count for count, known in FILTER_STATES.items()}, "Filter"
-    )
     figure = chosen("detrended_phase", {quantity.label: name for name, quantity in FIGURES.items()}, "Quantity")
 
     def __init__(self, session: Session) -> None:
@@ -167,7 +163,7 @@ class TrajectoryPage(StudyPage[Followed]):
         if self.flight == WAYPOINTS and not session.design.trajectory.waypoints:
             self._take(await run_in_pool(waypoints_of_lines, session.design))
             self._ask()
-        asked = session.design, self.states, self._flown_file
+        asked = session.design, self._flown_file
         if self._of_design and not lengths:
             try:
                 return await session.flight.of(session.design, lambda progress: run.param.update(progress=progress))
@@ -183,7 +179,7 @@ class TrajectoryPage(StudyPage[Followed]):
     @property
     def _of_design(self) -> bool:
         """True if the flight is that of the design, which its verdict has, and no study beside it."""
-        return not self.states and self.flight != _FILE
+        return self.flight != _FILE
 
     @property
     def _flown_file(self) -> File | None:
@@ -235,7 +231,6 @@ class TrajectoryPage(StudyPage[Followed]):
                 box("bank", width=80, visible=turns, **_LOOK),
                 box("duration", width=110, visible=named, **_LOOK),
                 box("outages", width=130, **_LOOK),
-                pmui.Select.from_param(choices.states, width=120, **_LOOK),
                 margin=(0, 10),
             ),
             self._places,
@@ -302,7 +297,7 @@ class TrajectoryPage(StudyPage[Followed]):
             if result is not None and (result.design, result.file) == (design, name):
                 self._session.keep(self.kind, replace(result, options=options))
 
-        self._manoeuvres = ManoeuvreBlock(self._session, lambda: (self.states, self._flown_file), share)
+        self._manoeuvres = ManoeuvreBlock(self._session, lambda: self._flown_file, share)
         self._manoeuvres.begin()
         return self._manoeuvres
 
@@ -337,7 +332,7 @@ class TrajectoryPage(StudyPage[Followed]):
 
     # --- the flight -----------------------------------------------------------------------------------
 
-    @param.depends("flight", "states", watch=True)
+    @param.depends("flight", watch=True)
     def _again(self) -> None:
         self._places.visible = self.flight == WAYPOINTS
         if self.flight == _FILE and self._file is None:

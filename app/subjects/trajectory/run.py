@@ -22,11 +22,11 @@ async def follow_ahead(design: Design) -> None:
     """Have what following a flight loads, here and in a process of the pool."""
     await asyncio.to_thread(import_module, "nav_model.trajectory.lines")
     with suppress(InputError):  # whoever asks is told
-        await run_in_pool(follow_if_short, design, 0)
+        await run_in_pool(follow_if_short, design)
 
 
 def closing_options(
-    design: Design, states: int = 0, file: File | None = None, *, progress: Callable[[float, str], None]
+    design: Design, file: File | None = None, *, progress: Callable[[float, str], None]
 ) -> Manoeuvres:
     """Options that would close the flight of a design's plan, or of a file; for a process of its own.
 
@@ -34,7 +34,7 @@ def closing_options(
     """
     from nav_model.trajectory.manoeuvre import manoeuvres
 
-    return manoeuvres(design, states=states, progress=progress, flight=read_file(file, design) if file else None)
+    return manoeuvres(design, progress=progress, flight=read_file(file, design) if file else None)
 
 
 def waypoints_in(content: bytes, name: str, design: Design) -> tuple[Rows, str]:

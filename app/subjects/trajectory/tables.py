@@ -49,13 +49,10 @@ def _of_study(followed: Followed) -> Answer:
         word = f"{good} of {lines} line{'' if lines == 1 else 's'} within the limits"
     else:
         word = f"{percent(min(result.lines[0].within.values()))} of the flight within the limits"
-    what = (
-        f"The flight of {followed.file}" if followed.file else f"A filter of {result.spec.study.filter.states} states"
-    )
     return Answer(
         f"Study: {word} {SAID[result.spec.processing]}",
         "open",
-        (f"{what} is not the design's: its verdict does not have this.",),
+        (f"The flight of {followed.file} is not the design's: its verdict does not have this.",),
     )
 
 

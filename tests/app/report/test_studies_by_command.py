@@ -12,7 +12,6 @@ from app.subjects.simulation import console as simulate_command
 from app.subjects.simulation import report as simulation_report
 from nav_model.sar.design_study import design_study
 from nav_model.sar.strategies import STRATEGIES
-from nav_model.simulation.study_inputs import NOTHING_ADDED
 
 pytestmark = [pytest.mark.usefixtures("charts_drawn_once"), pytest.mark.long]
 
@@ -37,6 +36,6 @@ def test_the_default_simulation_of_a_report_flies_the_designs_own_outage(monkeyp
     options = argparse.Namespace(runs=None, seed=1, duration=None, outages=[], trajectory="wandering", workers=None)
     simulation_report.study(design, options)
     (flown,) = asked
-    spec = simulate_command._specification(design, NOTHING_ADDED, flown, keep_runs=False)
+    spec = simulate_command._specification(design, flown, keep_runs=False)
     assert spec.outages == ((400.0, 400.0 + design.coast.duration),)
     assert np.isclose(spec.duration, 400.0 + design.coast.duration)

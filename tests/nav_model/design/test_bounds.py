@@ -14,12 +14,10 @@ from nav_model.design.rows import Rows
 from nav_model.design.several import Axes
 from nav_model.sar.flown_engine import flight_of
 from nav_model.simulation.specification import TrajectorySpec
-from nav_model.simulation.study_inputs import STUDY_KEYS
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.suborbital.input_table import INPUTS
 
 EVERY = {f"design {key}": parts.declaration_of(key) for key in parts.all_keys()}
-EVERY |= {f"simulation {key}": declared for key, declared in STUDY_KEYS.items()}
 EVERY |= {f"suborbital {key}": declared for key, declared in INPUTS.items()}
 
 

@@ -28,7 +28,8 @@ def test_writing_and_reading_again_gives_the_same_design_and_the_same_text(desig
     assert back.content_hash == design.content_hash
     assert format_design(back) == text
     for key, unit in design.written.items():
-        assert back.written[key] == unit
+        if getattr(design, key.partition(".")[0]).given():  # else its section is not written
+            assert back.written[key] == unit
 
 
 def test_values_are_written_the_way_they_came():

@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import riccati
+from entered import entered
 from scipy.linalg import block_diag
 
 from nav_model.design import Design
@@ -14,7 +15,6 @@ from nav_model.simulation.departures import CAUSES, Departure, chain
 from nav_model.simulation.design_study import SimulationStudy, closed_form, specification, study_of
 from nav_model.simulation.monte_carlo import simulate
 from nav_model.simulation.single_run import POSTERIOR
-from nav_model.simulation.study_inputs import read_study_inputs
 
 pytestmark = pytest.mark.long
 
@@ -26,7 +26,8 @@ SETTLED = 150.0
 
 def study(design: Design = PAPER, added: dict[str, str] | None = None, **options: object) -> SimulationStudy:
     asked = {"runs": 30, "duration": 300.0, "outages": [(200, 300)], "trajectory": "straight", **options}
-    spec = specification(design, more=read_study_inputs(added or {}), **asked)
+    design = entered(design, {"filter.states": str(asked.pop("states", 0)), **(added or {})})
+    spec = specification(design, **asked)
     return study_of(design, simulate(spec, closed_form=closed_form(design, spec)))
 
 
@@ -164,14 +165,11 @@ def test_the_step_of_the_earth_is_what_schuler_gravity_and_coriolis_make_of_a_fl
     assert dict(departure.steps) == {"earth": pytest.approx(down[1] / down[0], rel=0.01)}
 
 
-def test_velocity_fixes_of_the_design_part_nothing_and_others_do() -> None:
-    """The formula has those of the design; those that the study adds are the filter's alone."""
+def test_velocity_fixes_of_the_design_part_nothing() -> None:
     with_velocity = PAPER.replace({"gnss.velocity_noise": 0.02})
     result = study(with_velocity)
     assert "filter" not in causes(result)
     assert not [d.reason for d in result.departures if d.phase == "aided"]
-    added = study(added={"receiver.velocity_noise": "0.02 m/s"})
-    assert "velocity fixes" in " ".join(d.reason for d in added.departures)
 
 
 def test_errors_the_filter_does_not_expect_are_found_though_the_filter_agrees_with_the_closed_form() -> None:

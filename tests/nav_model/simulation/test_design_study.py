@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import riccati
+from entered import entered
 
 from nav_model.base.constants import MEAN_RADIUS
 from nav_model.base.errors import InputError
@@ -25,7 +26,6 @@ from nav_model.simulation.monte_carlo import run_chunk, simulate
 from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
 from nav_model.simulation.specification import TrajectorySpec
 from nav_model.simulation.statistics import Statistics
-from nav_model.simulation.study_inputs import read_study_inputs
 
 DPH = math.radians(1) / 3600
 PAPER = Design({"flight.speed": 50.0})  # 0.05 m/s/√h, 0.5 °/√h, 1 m at 1 Hz are the defaults
@@ -50,11 +50,10 @@ def test_every_input_reaches_its_place() -> None:
             "flight.altitude": 4000.0,
             "flight.latitude": -0.6,
             "flight.heading": 1.2,
+            "filter.states": 15,
         }
     )
-    spec = specification(
-        design, trajectory="climb", runs=7, seed=9, duration=250, outages=[(100, 150)], every=2, states=15
-    )
+    spec = specification(design, trajectory="climb", runs=7, seed=9, duration=250, outages=[(100, 150)], every=2)
     assert spec.imu.gyro.random_walk == math.radians(0.2) / 60
     assert (spec.imu.gyro.residual_bias, spec.imu.gyro.turn_on_bias) == (3 * DPH, 0.0)
     assert spec.imu.accelerometer.random_walk == 0.06 / 60
@@ -124,7 +123,7 @@ def test_the_closed_form_gives_the_theory_pages_figures() -> None:
         ({}, {"outages": [(5, 2)]}, "outage"),
         ({}, {"outages": [(1, 20), (10, 30)]}, "outage"),
         ({}, {"outages": [(0, LONGEST_OUTAGE + 1)], "duration": 9000}, "outage"),
-        ({}, {"states": 12}, "states"),
+        ({"filter.states": 12}, {}, "filter.states"),
     ],
 )
 def test_what_cannot_be_flown_is_refused_under_its_own_name(changes, options, key) -> None:
@@ -196,8 +195,9 @@ def test_the_document_has_the_contracts_keys_and_no_nan(study) -> None:
 
 def test_conditions_say_what_differs() -> None:
     def words(**changes: float | bool) -> str:
-        design = PAPER.replace({key.replace("__", "."): value for key, value in changes.items()})
-        return " ".join(conditions(design, specification(design, states=9)))
+        given = {key.replace("__", "."): value for key, value in changes.items()}
+        design = PAPER.replace({**given, "filter.states": 9})
+        return " ".join(conditions(design, specification(design)))
 
     plain = words()
     # Normal gravity at 45° and 3 km: 9.80620 - 3.0855e-6 x 3000 m/s², by the usual free-air gradient.
@@ -218,8 +218,10 @@ def test_conditions_say_what_differs() -> None:
 
 def test_the_filter_knows_the_biases_of_the_study_unless_told_otherwise() -> None:
     def states(given: int = 0, **texts: str) -> int:
-        more = read_study_inputs({key.replace("__", "."): text for key, text in texts.items()})
-        return specification(PAPER.replace({"imu.accelerometer_bias": 1e-3}), more=more, states=given).filter.states
+        biased = PAPER.replace({"imu.accelerometer_bias": 1e-3, "filter.states": given})
+        return specification(
+            entered(biased, {key.replace("__", "."): text for key, text in texts.items()})
+        ).filter.states
 
     walking = {"gyro__bias_instability": "1 °/h"}
     assert states() == 9  # what is left over at the last fix has no state

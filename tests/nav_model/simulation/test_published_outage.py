@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import riccati
+from entered import entered
 
 from nav_model.design.file import read_design
 from nav_model.simulation.design_study import closed_form, specification
 from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
 from nav_model.simulation.specification import FilterModel, GnssModel, SimulationSpec, TrajectorySpec
-from nav_model.simulation.study_inputs import read_study_inputs, split_changes
 
 EXAMPLES = Path(__file__).parents[3] / "examples" / "outage"
 
@@ -85,12 +85,13 @@ def test_the_table_of_the_example_is_what_its_command_gives():
     perfect = np.sqrt(SIGMA_A**2 * table[:, 0] ** 3 / 3 + (9.80665 * SIGMA_W) ** 2 * table[:, 0] ** 5 / 20)
     assert table[:, 4] == pytest.approx(perfect, abs=0.0006)
 
-    design = read_design(EXAMPLES / "array.toml")
-    of_design, of_study = split_changes(f"{key}={value}" for key, value in re.findall(r'(\w+\.\w+)="([^"]+)"', text))
-    assert (of_design, len(of_study)) == ([], 4)
+    plain = read_design(EXAMPLES / "array.toml")
+    biases = dict(re.findall(r'(\w+\.\w+)="([^"]+)"', text))
+    assert len(biases) == 4
     options = {"duration": 630.0, "outages": [(600, 630)], "trajectory": "straight"}
-    for column, states, more in ((1, 15, of_study), (2, 9, {})):
-        spec = specification(design, states=states, more=read_study_inputs(more), **options)
+    for column, design in ((1, entered(plain, biases)), (2, plain)):
+        spec = specification(design, **options)
+        assert spec.filter.states == (15 if column == 1 else 9)
         assert table[:, column] == pytest.approx(fly_without_errors(spec).filter_sigma[POSTERIOR, 600:, 0], abs=6e-4)
     noise = closed_form(design, spec)(np.arange(31.0), np.arange(600.0, 631.0))[:, 0]
     assert table[:, 3] == pytest.approx(noise, abs=6e-4)

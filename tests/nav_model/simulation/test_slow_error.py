@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from entered import entered
 
 from nav_model.base.errors import InputError
 from nav_model.budget.inputs import inputs_of
@@ -11,7 +12,6 @@ from nav_model.simulation.design_study import specification
 from nav_model.simulation.monte_carlo import simulate
 from nav_model.simulation.result import chi_square_band
 from nav_model.simulation.single_run import POSTERIOR, PRIOR
-from nav_model.simulation.study_inputs import read_study_inputs
 
 MEMS = read_design("examples/mems_x_band.toml")
 RUNS, SETTLED = 100, 200.0
@@ -47,17 +47,17 @@ def test_the_filter_that_knows_the_slow_error_has_the_budgets_sigmas_and_is_cons
     assert result.nis is not None
     assert result.nis.inside
     # The choice that does not know it believes in the white noise alone.
-    unaware = simulate(specification(design, trajectory="straight", runs=20, duration=300.0, every=10.0, states=9))
+    nine = design.replace({"filter.states": 9})
+    unaware = simulate(specification(nine, trajectory="straight", runs=20, duration=300.0, every=10.0))
     assert unaware.nees.mean > 1.5 * unaware.nees.high
 
 
 def test_states_for_a_slow_error_are_those_of_the_design() -> None:
     slow = MEMS.replace({"gnss.correlated": True})
     assert specification(slow).filter.states == 12
-    biased = read_study_inputs({"gyro.turn_on_bias": "0.2 °/h"})
-    assert specification(slow, more=biased).filter.states == 18
-    assert specification(slow, states=9).filter.slow == 0
+    assert specification(entered(slow, {"gyro.turn_on_bias": "0.2 °/h"})).filter.states == 18
+    assert specification(slow.replace({"filter.states": 9})).filter.slow == 0
     with pytest.raises(
         InputError, match="states: 18 cannot be simulated; must be 9, 15 or 21 without a slow GNSS error"
     ):
-        specification(MEMS, states=18)
+        specification(MEMS.replace({"filter.states": 18}))

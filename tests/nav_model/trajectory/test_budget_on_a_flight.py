@@ -18,7 +18,6 @@ from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.design.user_entries import read_entries
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.single_run import POSTERIOR, fly_without_errors
-from nav_model.simulation.study_inputs import SimulationInputs
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification
 from nav_model.trajectory.result import beside_budget, larger_start
@@ -148,8 +147,8 @@ def test_what_makes_a_straight_line_differ_is_said_beside_it() -> None:
     plain = BASES[1].replace({"requirements.tilt": 1.0})
 
     def flown(changes: dict[str, float | bool], states: int = 0, yaw: float = 0.1) -> tuple[float, str]:
-        design, more = plain.replace(changes), SimulationInputs((("filter.initial_yaw", math.radians(yaw)),))
-        study = specification(design, trajectory="straight", duration=LEG, every=LEG / 2, states=states, more=more)
+        design = plain.replace({**changes, "filter.initial_yaw": math.radians(yaw), "filter.states": states})
+        study = specification(design, trajectory="straight", duration=LEG, every=LEG / 2)
         result = covariance(covariance_specification(design, study))
         ratio = float(result.chosen.figures["tilt"][1]) / analyse(design).figure("tilt").sigma
         return ratio, " ".join(beside_budget(result.spec))

@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from entered import entered
 
 from app.examples import example
 from nav_model.base.constants import DEGREE_PER_HOUR
 from nav_model.design import Design
 from nav_model.simulation.design_study import specification
-from nav_model.simulation.study_inputs import read_study_inputs
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification
 from nav_model.trajectory.result import TrajectoryResult
@@ -25,8 +25,8 @@ def flown(turn_on: float, instability: float, time: float, states: int = 0) -> T
         "bias_instability": f"{instability} °/h",
         "correlation_time": f"{time} s",
     }
-    more = read_study_inputs({f"gyro.{name}": text for name, text in texts.items()})
-    study = specification(DESIGN, trajectory="straight", duration=LONG, every=LONG, states=states, more=more)
+    design = entered(DESIGN, {f"gyro.{name}": text for name, text in texts.items()} | {"filter.states": str(states)})
+    study = specification(design, trajectory="straight", duration=LONG, every=LONG)
     return covariance(covariance_specification(DESIGN, study))
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from entered import entered
 
 from nav_model.base.constants import DEGREE, DEGREE_PER_HOUR
 from nav_model.budget import analyse
@@ -12,7 +13,6 @@ from nav_model.design import Design
 from nav_model.design.trajectory import LIMITED, Rows
 from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.simulation.design_study import specification
-from nav_model.simulation.study_inputs import read_study_inputs
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import along_flight, covariance_specification, planned
 from nav_model.trajectory.line_length import with_lengths
@@ -28,11 +28,10 @@ TACTICAL = Design({"imu.angle_random_walk": WALK, "flight.speed": 60.0, "gnss.po
 def test_heading_grows_along_a_straight_line_as_its_closed_form(states: int) -> None:
     """Variance sigma0² + N² t + 2 B² tau (t - tau (1 - exp(-t/tau))) to 1 %, and a limit is passed when it says."""
     noise = {"gyro.bias_instability": "0.5 °/h", "gyro.correlation_time": "200 s", "filter.initial_yaw": "0.005 °"}
-    study = specification(
-        TACTICAL, trajectory="straight", duration=900.0, states=states, more=read_study_inputs(noise)
-    )
+    design = entered(TACTICAL, {**noise, "filter.states": str(states)})
+    study = specification(design, trajectory="straight", duration=900.0)
     limit = 0.02 * DEGREE
-    spec = covariance_specification(TACTICAL, study, (FlightLine("line 1", 0.0, 900.0),))
+    spec = covariance_specification(design, study, (FlightLine("line 1", 0.0, 900.0),))
     flown = covariance(replace(spec, most=(("heading", limit),)))
     t = np.arange(901.0)
     drift = 2 * BIAS**2 * TIME * (t - TIME * (1 - np.exp(-t / TIME)))

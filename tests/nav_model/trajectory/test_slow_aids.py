@@ -5,13 +5,13 @@ import re
 
 import numpy as np
 import pytest
+from entered import entered
 
 from nav_model.base.constants import DEGREE
 from nav_model.design.file import read_design
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.schedule import assumed_noise
 from nav_model.simulation.single_run import fly
-from nav_model.simulation.study_inputs import read_study_inputs
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification
 from nav_model.trajectory.result import TrajectoryResult
@@ -128,10 +128,8 @@ def test_the_filter_takes_the_root_of_both_variances_for_white() -> None:
 
 
 def sentences(changes: dict[str, float], more: dict[str, str] | None = None, states: int = 0) -> str:
-    design = MEMS.replace(changes)
-    study = specification(
-        design, trajectory="straight", duration=120.0, states=states, more=read_study_inputs(more or {})
-    )
+    design = entered(MEMS.replace({**changes, "filter.states": states}), more or {})
+    study = specification(design, trajectory="straight", duration=120.0)
     return " ".join(too_much_trust(covariance_specification(design, study)))
 
 

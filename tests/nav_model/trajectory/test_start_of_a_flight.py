@@ -2,15 +2,16 @@
 
 import math
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 import pytest
+from entered import entered
 
 from nav_model.design import Design
 from nav_model.design.file import parse_design, read_design
 from nav_model.simulation.design_study import specification
-from nav_model.simulation.study_inputs import read_study_inputs
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import covariance_specification
 from nav_model.trajectory.result import TrajectoryResult
@@ -41,15 +42,12 @@ SLOW = MEMS.replace({"gnss.correlated": True, "gnss.correlated_noise": 0.5, "gns
 ANTENNAS = MEMS.replace({"trajectory.heading_noise": math.radians(0.3)})
 
 
-def flown(design: Design, more: Mapping[str, str] | None = None, **options: Any) -> TrajectoryResult:
-    options = {
-        "trajectory": "straight",
-        "duration": 60.0,
-        "every": 1.0,
-        "more": read_study_inputs(more or {}),
-        **options,
-    }
-    return covariance(covariance_specification(design, specification(design, **options)))
+def flown(
+    design: Design, more: Mapping[str, str] = MappingProxyType({}), states: int = 0, **options: Any
+) -> TrajectoryResult:
+    design = entered(design, {**more, "filter.states": str(states)})
+    flight = {"trajectory": "straight", "duration": 60.0, "every": 1.0, **options}
+    return covariance(covariance_specification(design, specification(design, **flight)))
 
 
 def states(result: TrajectoryResult, index: int) -> np.ndarray:

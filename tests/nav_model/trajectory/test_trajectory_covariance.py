@@ -4,10 +4,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 import pytest
+from entered import entered
 
 from nav_model.budget import analyse
 from nav_model.budget.inputs import inputs_of
@@ -18,7 +20,6 @@ from nav_model.design.figures import STEADY
 from nav_model.design.file import parse_design, read_design
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.single_run import POSTERIOR, fly, fly_without_errors
-from nav_model.simulation.study_inputs import read_study_inputs
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.trajectory.aperture import directions
 from nav_model.trajectory.covariance import covariance
@@ -40,25 +41,27 @@ SHAKEN = parse_design(
 )  # fmt: skip
 FAST = parse_design(Path("examples/mems_x_band.toml").read_bytes(), changes=["gnss.velocity_noise=3 cm/s"])
 SLOW = MEMS.replace({"gnss.correlated": True, "gnss.correlated_noise": 0.5, "gnss.correlation_time": 100.0})
-RICH = read_study_inputs(
-    {
-        "gyro.bias_instability": "20 °/h",
-        "gyro.correlation_time": "100 s",
-        "accelerometer.bias_instability": "0.3 mg",
-        "accelerometer.correlation_time": "100 s",
-        "gyro.scale_factor": "1000 ppm",
-        "accelerometer.misalignment": "0.5 mrad",
-        "receiver.velocity_noise": "3 cm/s",
-        "receiver.lever_forward": "2 m",
-    }
-)
+RICH = {
+    "gyro.bias_instability": "20 °/h",
+    "gyro.correlation_time": "100 s",
+    "accelerometer.bias_instability": "0.3 mg",
+    "accelerometer.correlation_time": "100 s",
+    "gyro.scale_factor": "1000 ppm",
+    "gyro.g_sensitivity": "30 °/h/g",
+    "accelerometer.misalignment": "0.5 mrad",
+    "gnss.velocity_noise": "3 cm/s",
+    "gnss.lever_forward": "2 m",
+}
 
 
 def along(design: Design, **options: Any) -> TrajectoryResult:
     return covariance(planned(design, **options))
 
 
-def planned(design: Design, **options: Any) -> CovarianceSpec:
+def planned(
+    design: Design, more: Mapping[str, str] = MappingProxyType({}), states: int = 0, **options: Any
+) -> CovarianceSpec:
+    design = entered(design, {**more, "filter.states": str(states)})
     study = specification(design, **{"trajectory": "straight", "duration": 300.0, **options})
     return covariance_specification(design, study)
 
@@ -77,8 +80,8 @@ def states(part: Processed) -> np.ndarray:
     [
         {"outages": [(150.0, 210.0)]},
         {"trajectory": "turns", "states": 15, "outages": [(170.0, 230.0)]},
-        {"trajectory": "turns", "states": 21, "more": read_study_inputs({"receiver.lever_forward": "2 m"})},
-        {"trajectory": "climb", "more": read_study_inputs({"receiver.velocity_noise": "5 cm/s"})},
+        {"trajectory": "turns", "states": 21, "more": {"gnss.lever_forward": "2 m"}},
+        {"trajectory": "climb", "more": {"gnss.velocity_noise": "5 cm/s"}},
         {"trajectory": "turns", "states": 18, "outages": [(170.0, 230.0)]},
     ],
 )

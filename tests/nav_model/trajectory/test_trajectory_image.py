@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from entered import entered
 
 from nav_model.base.constants import STANDARD_GRAVITY
 from nav_model.budget import analyse
@@ -12,7 +13,6 @@ from nav_model.budget.real_time import RealTime
 from nav_model.design import Design
 from nav_model.design.file import read_design
 from nav_model.simulation.design_study import settling, specification
-from nav_model.simulation.study_inputs import SimulationInputs, read_study_inputs
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import true_states
 from nav_model.trajectory.aperture import apertures_of, directions
@@ -113,9 +113,9 @@ def test_a_flight_begins_with_the_covariance_of_a_settled_filter() -> None:
     """A turn-on bias of 0.5 mg: the tilt is root of noise² + (b/g)² from the first moment, as in the budget."""
 
     def straight(bias: str) -> TrajectoryResult:
-        more = read_study_inputs({"accelerometer.turn_on_bias": bias})
-        study = specification(BASES[0], trajectory="straight", duration=900.0, every=30.0, states=15, more=more)
-        return covariance(covariance_specification(BASES[0], study))
+        design = entered(BASES[0], {"accelerometer.turn_on_bias": bias, "filter.states": "15"})
+        study = specification(design, trajectory="straight", duration=900.0, every=30.0)
+        return covariance(covariance_specification(design, study))
 
     result, plain = straight("0.5 mg"), straight("0 mg")
     np.testing.assert_allclose(result.real_time.attitude[:, :2], 0.000548, rtol=0.01)
@@ -134,11 +134,10 @@ def test_after_a_turn_without_fixes_what_acts_is_the_bias_as_it_has_turned() -> 
     east = 1 / (6.38e6 * math.cos(math.radians(45.0)))
     start, legs = math.radians(45.0), ((0.0, 0.0), (6000 / 6.38e6, 0.0), (6000 / 6.38e6, 9000 * east))
     flight = fly(Plan(tuple(Waypoint(start + north, along, 3000.0) for north, along in legs), 60.0))
-    design = BASES[0].replace({"gnss.interval": 1.0})
-    more = read_study_inputs({"accelerometer.turn_on_bias": "0.5 mg"})
+    design = entered(BASES[0], {"gnss.interval": "1 s", "accelerometer.turn_on_bias": "0.5 mg"})
     turn = [(85.0, math.floor(flight.duration) - 1.0)]
     study = specification(
-        design, trajectory=flight.trajectory, duration=math.floor(flight.duration), every=1.0, outages=turn, more=more
+        design, trajectory=flight.trajectory, duration=math.floor(flight.duration), every=1.0, outages=turn
     )
     result, x = covariance(covariance_specification(design, study)), inputs_of(design)
     shares = dict(zip(result.sources, result.real_time.shares["quadratic_phase"], strict=True))
@@ -157,13 +156,10 @@ def test_a_bias_that_is_forgotten_in_a_millisecond_acts_as_white_noise(sensor: s
     key = {"gyro": "imu.angle_random_walk", "accelerometer": "imu.velocity_random_walk"}[sensor]
     sigma_w = BASES[0][key] * BASES[0].imu.vibration_factor
     sigma = sigma_w / math.sqrt(2 * 1e-3)
-    more = SimulationInputs(((f"{sensor}.bias_instability", sigma), (f"{sensor}.correlation_time", 1e-3)))
+    short = {f"{sensor}.bias_instability": sigma, f"{sensor}.correlation_time": 1e-3}
     sizes = []
-    for design, others in (
-        (BASES[0], more),
-        (BASES[0].replace({key: BASES[0][key] * math.sqrt(2)}), SimulationInputs({})),
-    ):
-        study = specification(design, trajectory="straight", duration=300.0, every=100.0, more=others)
+    for design in (BASES[0].replace(short), BASES[0].replace({key: BASES[0][key] * math.sqrt(2)})):
+        study = specification(design, trajectory="straight", duration=300.0, every=100.0)
         sizes.append(covariance(covariance_specification(design, study)).real_time.position[-1])
     np.testing.assert_allclose(*sizes, rtol=1e-3)
 

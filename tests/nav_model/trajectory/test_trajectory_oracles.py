@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from entered import entered
 from pyins.filters import run_feedforward_filter
 from pyins.inertial_sensor import EstimationModel
 from pyins.measurements import Position
@@ -14,7 +15,6 @@ from nav_model.budget.inputs import inputs_of
 from nav_model.design.file import read_design
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.specification import Aids, GnssModel, ImuModel, InitialSigma, SimulationSpec, TriadModel
-from nav_model.simulation.study_inputs import read_study_inputs
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import true_states
 from nav_model.trajectory.covariance import covariance
@@ -107,11 +107,9 @@ def smoothed_runs(model: ErrorModel, runs: int) -> np.ndarray:
 @pytest.mark.parametrize("runs", [400, pytest.param(4000, marks=pytest.mark.slow)])
 def test_runs_that_are_smoothed_back_from_fix_to_fix_lie_within_their_confidence(runs: int) -> None:
     """Errors that the filter does not estimate, a turn, an outage, heading and height among the fixes."""
-    design = MEMS.replace({"trajectory.lever_arm_error": 0.3})
-    more = read_study_inputs(
-        {"gyro.bias_instability": "20 °/h", "gyro.correlation_time": "100 s", "gyro.scale_factor": "1000 ppm"}
-    )
-    study = specification(design, trajectory="turns", duration=180.0, every=6.0, outages=[(100, 130)], more=more)
+    texts = {"gyro.bias_instability": "20 °/h", "gyro.correlation_time": "100 s", "gyro.scale_factor": "1000 ppm"}
+    design = entered(MEMS, {**texts, "gyro.g_sensitivity": "30 °/h/g", "trajectory.lever_arm_error": "30 cm"})
+    study = specification(design, trajectory="turns", duration=180.0, every=6.0, outages=[(100, 130)])
     spec = CovarianceSpec(replace(study, aiding=Aids(heading_noise=0.002, barometer_noise=2.0)), inputs_of(MEMS))
     result = covariance(spec).post_processed
     squares = np.mean(smoothed_runs(error_model(spec), runs)[:, :6] ** 2, axis=2)

@@ -12,7 +12,7 @@ from known_designs import MEMS
 from waiting import refusing_port
 
 from app.cli import main
-from nav_model.simulation.study_inputs import STUDY_KEYS
+from nav_model.design.parts import Accelerometer, Filter, Gyro
 
 pytestmark = pytest.mark.long
 
@@ -89,7 +89,8 @@ def test_what_is_added_to_the_design_is_flown_and_said(capsys) -> None:
     assert any("gyro bias instability 300 °/h" in sentence for sentence in document["conditions"])
     assert main(["simulate", "--inputs"]) == 0
     listed = capsys.readouterr().out
-    assert all(f"{key} " in listed for key in STUDY_KEYS)
+    keys = [f"{part.section}.{name}" for part in (Gyro, Accelerometer, Filter) for name in part.inputs()]
+    assert all(f"{key} " in listed for key in keys)
 
 
 def test_a_scheduler_that_is_not_there_is_one_line(capsys, monkeypatch) -> None:

@@ -45,7 +45,7 @@ def session(monkeypatch: pytest.MonkeyPatch) -> Session:
 
 def test_an_option_that_is_pressed_turns_the_verdict_and_is_undone(session: Session) -> None:
     shared: list[tuple[Design, File | None, Manoeuvres]] = []
-    page = ManoeuvreBlock(session, lambda: (0, None), lambda *options: shared.append(options))
+    page = ManoeuvreBlock(session, lambda: None, lambda *options: shared.append(options))
     when_done(page.begin, page.run)
     assert not page.run.message
     (design, file, answer), planned = shared[0], session.design
@@ -77,7 +77,7 @@ def test_the_options_of_a_file_are_of_what_is_flown_there(session: Session, tmp_
     )
     (tmp_path / "a.csv").write_text(track)
     flown = [File("a.csv", tmp_path / "a.csv")]
-    page = ManoeuvreBlock(session, lambda: (0, flown[-1]), lambda *_: None)
+    page = ManoeuvreBlock(session, lambda: flown[-1], lambda *_: None)
     when_done(page.begin, page.run)
     assert not page.run.message
     assert "no waypoints" in page._head.object
@@ -95,7 +95,7 @@ def test_the_options_of_a_file_are_of_what_is_flown_there(session: Session, tmp_
 
 def test_a_flight_without_a_limit_says_so(session: Session) -> None:
     session.change({"requirements.heading": None})
-    page = ManoeuvreBlock(session, lambda: (0, None), lambda *_: None)
+    page = ManoeuvreBlock(session, lambda: None, lambda *_: None)
     when_done(page.begin, page.run)
     assert "none limits a figure of the flight" in page.run.message
 
