@@ -1,10 +1,13 @@
 """Puts the results of a log into a design, with their origin: method and log file."""
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+
 from nav_model.allan.motion import MOTION_CAVEAT, BenchNoise, MotionAnalysis, over_bench
-from nav_model.allan.result import UNITS, Coefficient, LogAnalysis, LogSource, triad_random_walk
+from nav_model.allan.result import UNITS, Coefficient, LogAnalysis, LogSource, fitted_lines, triad_coefficient
 from nav_model.allan.vibration import SPECTRUM_KEY
 from nav_model.base.errors import InputError
 from nav_model.base.units import format_quantity, from_si
@@ -13,7 +16,10 @@ from nav_model.design.parts import quantity
 
 WALK_KEYS: Final = {"gyro": "imu.angle_random_walk", "accelerometer": "imu.velocity_random_walk"}
 VIBRATION_KEY: Final = "imu.vibration_factor"
+DRIFTS: Final = "bias_instability", "rate_random_walk"
+"""Terms of a log that are inputs of the sections [gyro] and [accelerometer], by their names."""
 
+_PEAK = 1.89  # correlation times
 _DIGITS = 3  # what a page shows, so that the design has what was offered
 _LONGEST_NAME = 80
 
@@ -27,22 +33,41 @@ class Adoption:
     origins: dict[str, str]
 
 
-def adopt_random_walks(result: LogAnalysis) -> Adoption:
-    """The triad random walks of a static log, rounded to the digits shown, as changes to a design.
+def adopt_noise(result: LogAnalysis) -> Adoption:
+    """The noise of a static log's triads, rounded to the digits shown, as changes to a design.
 
-    A triad that did not resolve its random walk changes nothing; with neither resolved there are no changes.
+    Random walk, bias instability and rate random walk; what a triad did not resolve on all axes changes nothing.
     """
     quoted: dict[str, str] = {}
     origins: dict[str, str] = {}
-    for sensor, key in WALK_KEYS.items():
-        walk = triad_random_walk(result, sensor)
-        if walk is None:
-            continue
-        unit, _ = UNITS[sensor]["random_walk"]
-        dimension = quantity(key).dimension
-        quoted[key] = format_quantity(walk.value, unit, dimension, _DIGITS)
-        origins[key] = f"{_in_words(walk, unit, dimension)}, from static log {_log(result.provenance)}"
+    of_log = f"from static log {_log(result.provenance)}"
+    for sensor, walk_key in WALK_KEYS.items():
+        keys = {"random_walk": walk_key} | {term: f"{sensor}.{term}" for term in DRIFTS}
+        for term, key in keys.items():
+            if (size := triad_coefficient(result, sensor, term)) is None:
+                continue
+            unit, _ = UNITS[sensor][term]
+            dimension = quantity(key).dimension
+            quoted[key] = format_quantity(size.value, unit, dimension, _DIGITS)
+            origins[key] = f"{_in_words(size, unit, dimension)}, {of_log}"
+        if f"{sensor}.bias_instability" in quoted:
+            time, key = _correlation_time(result, sensor), f"{sensor}.correlation_time"
+            quoted[key] = format_quantity(time, "s", "time", _DIGITS)
+            origins[key] = f"lowest Allan deviation at {_PEAK * time:.3g} s, over {_PEAK:g}, {of_log}"
     return _adoption(quoted, origins)
+
+
+def _correlation_time(result: LogAnalysis, sensor: str) -> float:
+    """Correlation time of a Gauss-Markov bias in place of a triad's flicker noise, s.
+
+    The Allan deviation of such a process of sigma B is highest, 0.617 B, at 1.89 correlation times, and the floor of
+    flicker noise B is at 0.664 B: the same place and, to 7 %, the same size (IEEE Std 952, annex C). The place is
+    that of the lowest deviation of all terms that the log resolved, on the geometric mean of the axes.
+    """
+    axes = [axis for axis in result.axes if axis.quantity == sensor]
+    times = np.geomspace(1.0 / axes[0].rate_hz, result.provenance.duration_s, 400)
+    lowest = [math.log(times[np.argmin(fitted_lines(axis, times)["total"])]) for axis in axes]
+    return math.exp(math.fsum(lowest) / len(lowest)) / _PEAK
 
 
 def adopt_vibration_factor(design: Design, result: MotionAnalysis) -> Adoption:

@@ -134,20 +134,21 @@ def fitted_lines(axis: AxisNoise, tau_s: Array) -> dict[str, Array]:
     return {**lines, "total": np.sqrt(total)}
 
 
-def triad_random_walk(result: LogAnalysis, quantity: str) -> Coefficient | None:
-    """One random walk for the design from a triad: rms over its axes, which keeps their mean variance.
+def triad_coefficient(result: LogAnalysis, quantity: str, term: str = "random_walk") -> Coefficient | None:
+    """One coefficient for the design from a triad: rms over its axes, which keeps their mean variance.
 
-    `quantity` is "gyro" or "accelerometer". A reading about 1 s on any axis makes the whole a reading. None
-    when an axis is missing or did not resolve its random walk.
+    `quantity` is "gyro" or "accelerometer", `term` one of noise_terms.TERMS. A random walk read about 1 s on any axis
+    makes the whole a reading. None when an axis is missing or did not resolve the term.
     """
-    walks = [axis.coefficients["random_walk"] for axis in result.axes if axis.quantity == quantity]
-    known = [coefficient for coefficient in walks if coefficient is not None]
+    terms = [axis.coefficients[term] for axis in result.axes if axis.quantity == quantity]
+    known = [coefficient for coefficient in terms if coefficient is not None]
     if len(known) < 3:
         return None
     value, low, high = (
         math.sqrt(sum(getattr(c, field) ** 2 for c in known) / len(known)) for field in ("value", "low", "high")
     )
     read = [axis_label(axis.name) for axis in result.axes if axis.quantity == quantity and _is_reading(axis)]
+    read = read if term == "random_walk" else []
     method = f"rms of {quantity} x, y, z"
     if read:
         method += f"; read at 1 s, above the white-noise floor, on {', '.join(read)}"

@@ -18,7 +18,7 @@ from nav_model.design import Design, Value
 from nav_model.design.declaration import BASE_LINE, BaseQuantity
 from nav_model.design.notes import noted_origins
 from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, RENAMED, TOP_KEYS, Input
-from nav_model.design.presets import preset_fill, preset_of
+from nav_model.design.presets import SHEET_KEYS, entry_of, preset_fill, preset_of, sheet_origins
 from nav_model.design.table import Table
 from nav_model.design.user_entries import ENTRY_KEYS, read_entries
 
@@ -127,6 +127,11 @@ def _with_changes(tables: dict[str, Any], changes: Iterable[str]) -> dict[str, A
         if key in PRESET_KEYS:  # the new unit's values replace the file's
             for filled in preset_fill(section, text)[0].keys() - {key, BASE_LINE}:
                 _drop(tables, section, filled.rpartition(".")[2])
+            if section == "imu" and _whole_sheet(table):
+                for key_of_sheet in SHEET_KEYS:
+                    of_sensor, _, error = key_of_sheet.rpartition(".")
+                    if isinstance(tables.get(of_sensor), dict):
+                        _drop(tables, of_sensor, error)
         elif key not in OUTDATED:
             declared = _input_named(section, name)
             _drop(tables, section, declared[0] if declared else name)
@@ -163,6 +168,9 @@ def _build(tables: dict[str, Any]) -> Design:
     outdated = tuple(key for key in OUTDATED if key.partition(".")[2] in tables.get(key.partition(".")[0], {}))
     design = Design(values, written, outdated=outdated, entries=entries)
     origins = tables.get(ORIGINS) or noted_origins(design)
+    if design.imu.sheet and isinstance(origins, dict) and (entry := entry_of(design, "imu")):
+        given = {f"{section}.{name}" for section in ("gyro", "accelerometer") for name in tables.get(section, {})}
+        origins = {k: v for k, v in sheet_origins(entry).items() if k not in given} | origins
     if isinstance(origins, dict):
         origins = {key: origin for key, origin in origins.items() if key not in OUTDATED}
     return design.replace({}, origins=origins) if origins else design
@@ -191,13 +199,18 @@ def _read_section(section: str, table: dict[str, Any], values: dict[str, Value],
             values[f"{section}.{target}"] = declaration.read(content)
     if f"{section}.preset" in PRESET_KEYS and "preset" in table:
         name = _text(f"{section}.preset", table["preset"])
-        preset_values, preset_written = preset_fill(section, name, baseline)
+        preset_values, preset_written = preset_fill(section, name, baseline, sheet=_whole_sheet(table))
         for key, value in preset_values.items():
-            if key.rpartition(".")[2] not in given:
+            if key.rpartition(".")[2] not in given or key in SHEET_KEYS:
                 values[key], written[key] = value, preset_written.get(key, "")
         if section == "imu":
             _refuse_gap(name, values)
         values[f"{section}.preset"] = preset_values[f"{section}.preset"]
+
+
+def _whole_sheet(table: Mapping[str, Any]) -> bool:
+    """True if a section [imu] has its catalogue's unit fill what its sheet prints beside the random walks."""
+    return "sheet" in table and bool(INPUTS["imu"]["sheet"].read(table["sheet"]))
 
 
 def _refuse_gap(preset: str, values: Mapping[str, Value]) -> None:

@@ -15,7 +15,7 @@ from nav_model.base.errors import InputError
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.notes import noted_origins
-from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, RENAMED, TOP_KEYS, Gnss
+from nav_model.design.parts import INPUTS, OUTDATED, PRESET_KEYS, RENAMED, TOP_KEYS, Gnss, Imu
 from nav_model.design.presets import preset_fill
 from nav_model.design.rows import Rows
 from nav_model.design.table import Table
@@ -31,6 +31,7 @@ SETTINGS = ("simulation", "trajectory", "sar", "explore", "search", "map", "unce
 _ORIGIN_PREFIX = "origin."
 _NONE = "none"
 _BASE_LINE = Gnss.param.baseline
+_SHEET = Imu.param.sheet
 _SHORT: dict[str, str] = {
     declaration.short: f"{section}.{name}"
     for section, inputs in INPUTS.items()
@@ -49,7 +50,7 @@ def to_query(design: Design) -> str:
     pairs: list[tuple[str, str]] = [(key, str(design[key])) for key in TOP_KEYS if design[key]]
     named = tuple((short, str(design[key])) for short, key in _PRESET_SHORT.items() if isinstance(design[key], str))
     pairs += named
-    base = _of_presets(named, design.baseline)
+    base = _of_presets(named, design.baseline, sheet=design.imu.sheet)
     for short, key in _SHORT.items():
         value = design[key]
         if value != base[key] or type(value) is not type(base[key]):
@@ -61,11 +62,11 @@ def to_query(design: Design) -> str:
 
 
 @lru_cache(maxsize=64)
-def _of_presets(named: tuple[tuple[str, str], ...], baseline: float | None) -> Design:
+def _of_presets(named: tuple[tuple[str, str], ...], baseline: float | None, *, sheet: bool) -> Design:
     """The design of these presets, each with its short name, at a base line, and of defaults."""
     design = Design()
     for short, name in named:
-        design = design.replace(preset_fill(short, name, baseline)[0])
+        design = design.replace(preset_fill(short, name, baseline, sheet=sheet)[0])
     return design
 
 
@@ -131,9 +132,10 @@ def from_query(query: str) -> Design:
             raise InputError(short, "is given twice in the link")
     if (base := dict(pairs).get(_BASE_LINE.short, _NONE)) != _NONE:
         baseline = _BASE_LINE.read(base).value
+    whole = bool(_SHEET.read(dict(pairs).get(_SHEET.short, "false")))
     for short, text in pairs:
         if short in _PRESET_SHORT:
-            filled, units = preset_fill(short, text, baseline)
+            filled, units = preset_fill(short, text, baseline, sheet=whole)
             values |= filled
             written |= units
     for short, text in pairs:

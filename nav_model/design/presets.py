@@ -7,7 +7,10 @@ from typing import cast
 from nav_model.design import Design, Value
 from nav_model.design.catalogue import Entry, Kind, SourcedValue, find
 from nav_model.design.declaration import BASE_LINE, ON_BASE_LINE, BaseQuantity
-from nav_model.design.parts import PRESET_KEYS, declaration_of
+from nav_model.design.parts import PRESET_KEYS, Accelerometer, Gyro, declaration_of
+
+SHEET_KEYS = tuple(f"{part.section}.{name}" for part in (Gyro, Accelerometer) for name in part.inputs())
+"""Inputs of the sensors beside those of the section [imu]."""
 
 
 def values_of(entry: Entry, baseline: float | None = None) -> Mapping[str, SourcedValue]:
@@ -35,15 +38,40 @@ def filled(entry: Entry, baseline: float | None = None) -> tuple[dict[str, Value
     return {f"{section}.{k}": v for k, v in values.items()}, {f"{section}.{k}": u for k, u in units.items()}
 
 
-def preset_fill(section: str, name: str, baseline: float | None = None) -> tuple[dict[str, Value], dict[str, str]]:
-    """As `filled`, of the entry called `name`.
+def preset_fill(
+    section: str, name: str, baseline: float | None = None, *, sheet: bool = False
+) -> tuple[dict[str, Value], dict[str, str]]:
+    """As `filled`, of the entry called `name`; with `sheet`, what else an inertial unit's sheet prints.
 
     Raises
     ------
     InputError
         If the catalogue has no such entry.
     """
-    return filled(find(kind_of(section), name), baseline)
+    entry = find(kind_of(section), name)
+    values, units = filled(entry, baseline)
+    if sheet and section == "imu":
+        more = sheet_filled(entry)
+        return values | more[0], units | more[1]
+    return values, units
+
+
+def sheet_filled(entry: Entry) -> tuple[dict[str, Value], dict[str, str]]:
+    """Dotted keys that the whole sheet of an inertial unit fills beside its section, in SI, and their units.
+
+    Errors that the sheet does not print are none.
+    """
+    values: dict[str, Value] = {key: declaration_of(key).default for key in SHEET_KEYS}
+    values |= {key: item.value for key, item in entry.sheet.items()}
+    return values, {key: item.unit for key, item in entry.sheet.items()}
+
+
+def sheet_origins(entry: Entry) -> dict[str, str]:
+    """Dotted key -> where the whole sheet of an inertial unit has its value from."""
+    return {
+        key: f"{entry.name}: {item.source}" + ("" if item.confirmed else f" ({item.status})")
+        for key, item in entry.sheet.items()
+    }
 
 
 def kind_of(section: str) -> Kind:

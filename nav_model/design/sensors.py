@@ -93,6 +93,15 @@ class Imu(Part):
         typical="in road tests, errors were 8 to 35 times what bench noise predicts",
         slider=True,
     )
+    sheet = Choice(
+        default=False,
+        options=SWITCH,
+        short="ish",
+        label="Whole sheet",
+        doc="The catalogue's unit fills what its sheet prints beside the random walks, in the two sections below: "
+        "bias instability, with an assumed correlation time, and turn-on bias.",
+        since="0.2.0",
+    )
     rate = Quantity(
         default=100.0,
         dimension="frequency",

@@ -16,14 +16,15 @@ from nav_model.budget.verdict import required
 from nav_model.design import Design, Value
 from nav_model.design.catalogue import OFFERED, Entry
 from nav_model.design.figures import FIGURES
-from nav_model.design.presets import filled, values_of
+from nav_model.design.presets import filled, sheet_filled, values_of
 from nav_model.explore.margins import limits, ratios, value_of, worst
 from nav_model.explore.rank import SENSORS, log_derivatives, stated
 
 OWN_IMU, OWN_GNSS = "your IMU", "your receiver"
 """Names of the unit and the receiver that are the design's own."""
-Biases = Literal["design", "zero", "in-run"]
-"""Residual biases that every unit is judged with: the design's, zero, or the in-run biases of its own sheet."""
+Biases = Literal["design", "zero", "in-run", "sheet"]
+"""Residual biases that every unit is judged with: the design's, zero, or the in-run biases of its own sheet; or, with
+the design's, all errors that its sheet prints."""
 MOST_PAIRS = 5000
 """Pairs of a unit and a receiver, or none, that are ranked at a time: with slow errors seven seconds and 60 MB."""
 _AT_ONCE = 250  # pairs in one pass: a slow error takes 0.2 MB for each
@@ -79,7 +80,8 @@ def search(
     imus, receivers : mapping
         Name -> entry of a catalogue.
     biases : str, optional
-        Residual biases of the units: the design's, zero, or those of each data sheet.
+        Residual biases of the units: the design's, zero, or those of each data sheet; or, with the design's, all that
+        each sheet prints, as for a design that takes whole sheets.
 
     Raises
     ------
@@ -128,15 +130,20 @@ class _Pair:
         self.written: dict[str, str] = {}
         items = [*(imu.in_run.items() if imu and biases == "in-run" else ())]
         self.changes |= {f"imu.{name}": 0.0 for name in _BIASES if biases == "zero"}
-        self.changes |= {f"imu.{name}": item.value for name, item in items}
-        self.written |= {f"imu.{name}": item.unit for name, item in items}
+        if imu and (biases == "sheet" or design.imu.sheet):
+            values, units = sheet_filled(imu)
+            self.changes |= {"imu.sheet": True, **values}
+            self.written |= units
+            items += [(key, item) for key, item in imu.sheet.items() if item.status != "assumed"]
+        self.changes |= {f"imu.{name}": item.value for name, item in items if "." not in name}
+        self.written |= {f"imu.{name}": item.unit for name, item in items if "." not in name}
         for part in self.parts:
             changes, written = filled(part, design.baseline)
             self.changes |= changes
             self.written |= written
             items += values_of(part, design.baseline).items()
         self.doubts = tuple(
-            f"{name.replace('_', ' ')} ({item.status})"
+            f"{name.replace('_', ' ').replace('.', ' ')} ({item.status})"
             for name, item in items
             if not item.confirmed and name != "correlated"  # its size says it
         )

@@ -133,7 +133,7 @@ def parse_plan(data: bytes, where: str = "sweep", folder: Path = Path()) -> Swee
         raise InputError("vary", 'gives no input. Try gnss.position_noise = ["2 cm", "1 m"]')
     varied = _flat(vary)
     _check_size(varied)
-    axes = tuple(_axis(key, spec, design.baseline) for key, spec in varied)
+    axes = tuple(_axis(key, spec, design) for key, spec in varied)
     for i, axis in enumerate(axes):
         if axis.key in {other.key for other in axes[:i]}:
             raise InputError(axis.key, "is varied twice; give it one list or range")
@@ -200,13 +200,14 @@ def _check_size(varied: Sequence[tuple[str, Any]]) -> None:
             raise InputError(key, f"more than {MOST_POINTS} values in all lists and ranges; give at most that many")
 
 
-def _axis(key: str, spec: Any, baseline: float | None) -> SweepAxis:
+def _axis(key: str, spec: Any, design: Design) -> SweepAxis:
     if isinstance(spec, dict):
         return _numbers(key, _range(key, spec))
     if not isinstance(spec, list) or not spec:
         raise InputError(key, "must be a list of values, or { from = ..., to = ..., points = ... }")
     if key in PRESET_KEYS:
-        fills = [preset_fill(key.partition(".")[0], str(name), baseline)[0] for name in spec]
+        section, whole = key.partition(".")[0], design.imu.sheet
+        fills = [preset_fill(section, str(name), design.baseline, sheet=whole)[0] for name in spec]
         return SweepAxis(key, tuple(fill[key] for fill in fills), tuple(fills))
     declaration = _declaration(key)
     if isinstance(declaration, Choice):

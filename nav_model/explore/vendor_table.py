@@ -105,7 +105,7 @@ def with_unit(design: Design, imu: str) -> Design:
     InputError
         If the catalogue has no such IMU, or one without both random walks.
     """
-    values, written = preset_fill("imu", imu)
+    values, written = preset_fill("imu", imu, sheet=design.imu.sheet)
     if missing := [str(quantity(key).label) for key in _UNKNOWNS[:2] if key not in values]:
         raise InputError("imu", f"{imu} has no {' and no '.join(missing).lower()} in the catalogue.", imu)
     return design.replace(values, written)

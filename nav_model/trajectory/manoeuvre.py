@@ -400,7 +400,7 @@ def _better_imus(design: Design) -> Iterator[_Candidate]:
         if below:
             names[max(below, key=below.__getitem__)] = None
     for name in names:
-        changes, written = preset_fill("imu", name)
+        changes, written = preset_fill("imu", name, sheet=design.imu.sheet)
         yield _Candidate(f"IMU {name}", "imu", partial(_equipped, changes), written=written)
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from app.dashboard.controls.biases import BiasInput
 from app.dashboard.controls.design_input import ChoiceInput, DesignInput, TableInput
-from app.dashboard.controls.preset import PresetInput
+from app.dashboard.controls.preset import PresetInput, SheetChoice
 from app.dashboard.controls.quantity import QuantityInput
 from app.session import Session
 from app.ui.input_sheet import Group
@@ -42,6 +42,8 @@ def input_of(session: Session, key: str) -> DesignInput[Any]:
     match INPUTS[section][name]:
         case Table() as table:
             return TableInput(session, key, table)
+        case Choice() as choice if key == "imu.sheet":
+            return SheetChoice(session, key, choice)
         case Choice() as choice:
             return ChoiceInput(session, key, choice)
         case quantity:

@@ -1,11 +1,22 @@
 """A catalogue unit or radar as the source of a section's values."""
 
-from app.dashboard.controls.design_input import DesignInput
+from app.dashboard.controls.design_input import ChoiceInput, DesignInput
 from app.document.wording import preset_name
 from app.ui.input_sheet import Row, choice_row
 from nav_model.base.errors import InputError
 from nav_model.design.catalogue import Entry, catalogue, find
-from nav_model.design.presets import deviations, entry_of, kind_of, preset_fill, preset_of, without_class
+from nav_model.design.parts import declaration_of
+from nav_model.design.presets import (
+    SHEET_KEYS,
+    deviations,
+    entry_of,
+    kind_of,
+    preset_fill,
+    preset_of,
+    sheet_filled,
+    sheet_origins,
+    without_class,
+)
 
 
 class PresetInput(DesignInput[None]):
@@ -46,12 +57,30 @@ class PresetInput(DesignInput[None]):
             return self.session.change(changes, dict.fromkeys(changes, ""))
         if not text:
             return self.session.change({self.key: None})
-        values, units = preset_fill(self.section, text, self.session.design.baseline)
+        design, origins = self.session.design, {}
+        values, units = preset_fill(self.section, text, design.baseline, sheet=design.imu.sheet)
+        if self.section == "imu" and design.imu.sheet:
+            origins = sheet_origins(find("imu", text))
         if self.section == "radar":
             extra = find("radar", text).extra
             values |= {f"flight.{key}": item.value for key, item in extra.items()}
             units |= {f"flight.{key}": item.unit for key, item in extra.items()}
-        return self.session.change(values, units)
+        return self.session.change(values, units, origins)
+
+
+class SheetChoice(ChoiceInput):
+    """The switch that has the catalogue's unit fill the sensors' further errors; they go with it."""
+
+    def take(self, text: str) -> InputError | None:
+        """Fill them, or leave none."""
+        whole, entry = self._declared.read(text), entry_of(self.session.design, "imu")
+        if whole and entry is None:
+            return InputError(self.key, "choose an IMU from the catalogue first")
+        if not whole or entry is None:
+            nothing = {key: declaration_of(key).default for key in SHEET_KEYS}
+            return self.session.change({self.key: False, **nothing})
+        values, units = sheet_filled(entry)
+        return self.session.change({self.key: True, **values}, units, sheet_origins(entry))
 
 
 def _label(entry: Entry) -> str:

@@ -47,8 +47,11 @@ def _add_explore(commands: Any) -> None:
     for name, what in (("imus", "IMUs"), ("receivers", "receivers")):
         help_text = f"catalogue file of your own {what}; may be repeated"
         add(f"--{name}", action="append", default=[], metavar="FILE", help=help_text)
-    help_text = "residual biases of every IMU: the design's (default), zero, or the in-run biases of its data sheet"
-    add("--biases", choices=("design", "zero", "in-run"), default="design", help=help_text)
+    help_text = (
+        "residual biases of every IMU: the design's (default), zero, or the in-run biases of its sheet; sheet: the "
+        "design's, with all errors that each sheet prints"
+    )
+    add("--biases", choices=("design", "zero", "in-run", "sheet"), default="design", help=help_text)
     add = parsers["invert"].add_argument
     add("--row", action="append", default=[], dest="rows", metavar="ROW",
         help='e.g. "60 s: horizontal 0.10 m, vertical 0.07 m, velocity 0.015 m/s, roll and pitch 0.005°, heading '

@@ -47,12 +47,13 @@ _COMPUTING = Answer("Sensors that pass", "open", ("Computing …",))
 _KNOWLEDGE = (
     "Every row is computed with the formulas of the budget. The main error source has the largest share of the "
     "tightest requirement's variance [T-18]. Every IMU has your design's vibration factor, and the residual biases "
-    "chosen above: your design's, zero, or the in-run biases of its data sheet. Receivers of the catalogue "
-    "count with their slow error."
+    "chosen above: your design's, zero, or the in-run biases of its data sheet; or, with your design's, all that its "
+    "sheet prints. Receivers of the catalogue count with their slow error."
 )
 
 EXAMPLE = Path(__file__).with_name("sensors.toml").read_text("utf-8")
 _BIASES: dict[str, Biases] = {
+    "All that sheets print": "sheet",
     "Biases of your design": "design",
     "Biases 0": "zero",
     "In-run biases of data sheets": "in-run",

@@ -110,6 +110,8 @@ def map_answer(chart: TradeMapChart, here: float) -> Answer:
 
 def biases_text(design: Design, biases: Biases = "design") -> str:
     """The residual biases that an answer assumes."""
+    if biases == "sheet":
+        return "Each unit with all errors that its sheet prints, residual biases as in your design"
     if biases == "in-run":
         return "Residual biases: each data sheet's in-run biases"
     sizes = {"imu.accelerometer_bias": design.imu.accelerometer_bias, "imu.gyro_bias": design.imu.gyro_bias}

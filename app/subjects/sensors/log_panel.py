@@ -39,7 +39,7 @@ from app.work.cancellable import run_alone
 from app.work.run import Run
 from nav_model.allan.adoption import (
     Adoption,
-    adopt_random_walks,
+    adopt_noise,
     adopt_vibration_factor,
     adopt_vibration_spectrum,
     bench_of,
@@ -246,7 +246,7 @@ class StaticResult(View):
         self.tables = parts.text(_static_tables, (0, 14, 10, 14))
         self.accepted = parts.text(lambda analysis: _accepted(session.design, analysis), (0, 14, 10, 14))
         self.use = _button("Use these in the design")
-        self.use.on_click(lambda _: adopt(lambda: adopt_random_walks(parts.known())))
+        self.use.on_click(lambda _: adopt(lambda: adopt_noise(parts.known())))
         self.axis = pmui.Select(label="Axis", width=220, margin=(8, 14), options=[])
         self.axis.param.watch(lambda event: parts.follow() if event.new else None, "value")
         charts = parts.later(self._charts)
@@ -258,7 +258,7 @@ class StaticResult(View):
         self.analysis = analysis
         names = {axis_label(axis.name): axis.name for axis in analysis.axes}
         with pn.io.hold():
-            self.use.disabled = not adopt_random_walks(analysis).changes
+            self.use.disabled = not adopt_noise(analysis).changes
             chosen_axis = self.axis.value if self.axis.value in names.values() else next(iter(names.values()))
             self.axis.param.update(options=names, value=chosen_axis)
             self._parts.follow()

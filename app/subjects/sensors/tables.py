@@ -6,7 +6,7 @@ from app.document.blocks import Answer, Bullets, Cell, CellLike, Column, Row, Ta
 from app.document.numbers import NONE, number
 from app.document.wording import input_in_words, printable
 from app.subjects.sensors.charts import TERM_NAMES
-from nav_model.allan.adoption import VIBRATION_KEY, WALK_KEYS
+from nav_model.allan.adoption import DRIFTS, VIBRATION_KEY, WALK_KEYS
 from nav_model.allan.motion import MOTION_CAVEAT, MotionAnalysis
 from nav_model.allan.noise_terms import TERMS
 from nav_model.allan.result import (
@@ -16,7 +16,7 @@ from nav_model.allan.result import (
     LogAnalysis,
     LogSource,
     axis_label,
-    triad_random_walk,
+    triad_coefficient,
 )
 from nav_model.allan.vibration import BLOCK_S
 from nav_model.design import Design
@@ -73,12 +73,12 @@ def _duration(seconds: float) -> str:
 
 
 def offer(result: LogAnalysis) -> Answer:
-    """Offer of the log to the design: one random walk per triad, or why there is none."""
+    """Offer of the log to the design: one random walk per triad, or why there is none; drifts that it shows."""
     lines = []
     for quantity, title in (("gyro", "Angle random walk"), ("accelerometer", "Velocity random walk")):
         if not any(axis.quantity == quantity for axis in result.axes):
             continue
-        walk = triad_random_walk(result, quantity)
+        walk = triad_coefficient(result, quantity)
         if walk is None:
             unresolved = (axis.not_resolved.get("random_walk") for axis in result.axes if axis.quantity == quantity)
             why = next(filter(None, unresolved), "not resolved on all three axes")
@@ -88,6 +88,11 @@ def offer(result: LogAnalysis) -> Answer:
         lines.append(
             f"{title}: {number(walk.value / scale)} {unit} ({_range(walk, scale)}), {_interval(walk)}; {walk.method}."
         )
+        for term in DRIFTS:
+            if (drift := triad_coefficient(result, quantity, term)) is not None:
+                unit, scale = UNITS[quantity][term]
+                value = f"{number(drift.value / scale)} {unit} ({_range(drift, scale)})"
+                lines.append(f"{TERM_NAMES[term].capitalize()} of the {quantity}s: {value}, {_interval(drift)}.")
     return Answer("Result", "open", tuple(lines))
 
 

@@ -72,6 +72,24 @@ class Entry:
     post_processed: bool = False
 
     @property
+    def sheet(self) -> Mapping[str, SourcedValue]:
+        """Dotted key of a design -> what an inertial unit's sheet prints beside its random walks.
+
+        A bias instability has a correlation time, which is assumed by the kind of sensor: no sheet here prints it.
+        """
+        inputs: dict[str, SourcedValue] = {}
+        for name, item in self.extra.items() if self.kind == "imu" else ():
+            sensor = name.removesuffix("_bias")
+            if error := _ERRORS.get(item.kind):
+                inputs[f"{sensor}.{error}"] = item
+            if error == "bias_instability":
+                time, what = (300.0, "MEMS") if "MEMS" in self.grade else (3600.0, "fibre and laser")
+                inputs[f"{sensor}.correlation_time"] = SourcedValue(
+                    f"{time:g} s", time, "s", "assumed", f"usual for {what}; no sheet prints it"
+                )
+        return inputs
+
+    @property
     def in_run(self) -> Mapping[str, SourcedValue]:
         """Values of `extra` that may serve as residual biases."""
         return {name: item for name, item in self.extra.items() if item.kind == "in-run"}
@@ -92,6 +110,10 @@ _EXTRA: dict[str, dict[str, str]] = {
     "radar": {"speed": "speed", "altitude": "length"},
     "gnss": {"longest_baseline": "length"},
 }
+
+
+_ERRORS = {"in-run": "bias_instability", "repeatability": "turn_on_bias"}
+"""Kind of a bias that a sheet prints -> the input that it is; an rms is neither."""
 
 
 @cache

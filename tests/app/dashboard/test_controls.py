@@ -242,7 +242,25 @@ def test_every_input_has_a_row_with_help() -> None:
     assert {key for key, row in rows.items() if not row["help"]} == set(PRESET_KEYS)
 
 
+def test_the_whole_sheet_comes_with_the_unit_and_goes_with_the_switch(session: Session) -> None:
+    sheet = Sheet(session, "imu.preset", "imu.sheet", "gyro.bias_instability", "gyro.turn_on_bias")
+    sheet.enter("imu.sheet", "true")
+    assert "choose an IMU from the catalogue first" in sheet.row("imu.sheet")["error"]
+    sheet.enter("imu.preset", "STIM300")
+    assert session.design.gyro.bias_instability == 0.0
+    sheet.enter("imu.sheet", "true")
+    assert sheet.row("gyro.bias_instability")["text"].startswith("0.5")
+    assert "TS1524" in sheet.row("gyro.bias_instability")["note"]
+    sheet.enter("imu.preset", "HG1700")
+    assert sheet.row("gyro.bias_instability")["text"].startswith("0 ")
+    assert sheet.row("gyro.turn_on_bias")["text"].startswith("1 ")
+    sheet.enter("imu.sheet", "false")
+    assert session.design.gyro.turn_on_bias == 0.0
+    assert "gyro.turn_on_bias" not in session.design.origins
+
+
 def test_every_option_of_a_choice_reaches_the_design(session: Session) -> None:
+    session.change({"imu.preset": "STIM300"})  # without a unit there is no sheet
     for key in (key for key in all_keys() if isinstance(declaration_of(key), Choice)):
         sheet = Sheet(session, key)
         for text, label in sheet.row(key)["options"] or [("true", "on"), ("false", "off")]:

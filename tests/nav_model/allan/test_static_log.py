@@ -12,7 +12,7 @@ import pytest
 from nav_model.allan.imu_log import ImuLog
 from nav_model.allan.log_file import read_log
 from nav_model.allan.noise_terms import TERMS
-from nav_model.allan.result import fitted_lines, to_json, triad_random_walk
+from nav_model.allan.result import fitted_lines, to_json, triad_coefficient
 from nav_model.allan.static_log import analyse_log
 
 pytestmark = pytest.mark.long
@@ -299,7 +299,7 @@ def test_fitted_lines_pass_through_the_measured_curve(simulate: Simulator):
 def test_triad_offers_one_value_to_the_design():
     gyro = white() * np.array([1.0, 2.0, 2.0])
     result = analyse_log(ImuLog(gyro, None, 100.0))
-    offered = triad_random_walk(result, "gyro")
+    offered = triad_coefficient(result, "gyro")
     assert offered.value == pytest.approx(1e-4 * np.sqrt(3.0), rel=0.01)
     assert offered.low < offered.value < offered.high
-    assert triad_random_walk(result, "accelerometer") is None
+    assert triad_coefficient(result, "accelerometer") is None
