@@ -2,12 +2,12 @@
 
 The formulas are those of `nav_model.budget`, traced (`nav_model.base.traced`): none is written a second time.
 Where there is none, the budget's value is taken: the sampled filter with velocity fixes, a slow GNSS error, what
-vibration, unsensed motion and oscillator do over the aperture, and levels in decibels.
+varying biases add, what vibration, unsensed motion and oscillator do over the aperture, and levels in decibels.
 """
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, cast
 
 import numpy as np
@@ -19,11 +19,12 @@ from nav_model.analytic.turning import Bend, Turn
 from nav_model.aperture import phase
 from nav_model.base.traced import Traced, Workings
 from nav_model.budget.contributors import Composed, Contribution, contributors_of
-from nav_model.budget.inputs import VARIABLES, Inputs, inputs_of
+from nav_model.budget.inputs import VARIABLES, VARYING_KEYS, Inputs, inputs_of
 from nav_model.budget.navigation import steady_marks
 from nav_model.budget.real_time import RealTime
 from nav_model.budget.shares import SEEN, SIZES
 from nav_model.budget.smoothed import Smoothed
+from nav_model.budget.varying import VaryingBiases
 from nav_model.budget.verdict import Check
 from nav_model.design import Design
 from nav_model.design.figures import FIGURES, LEVELS, PARTS_OF_PHASES, REQUIRED, RESPONSE, STEADY, label_of, of_kind
@@ -32,7 +33,7 @@ from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 _WITHOUT_FORMULA: tuple[str, ...] = (
     "motion.", "oscillator.", "gnss.correlated_noise", "gnss.vertical_correlated_noise", "gnss.correlation_time",
-    "processing.leg_after",
+    "processing.leg_after", *VARYING_KEYS,
 )  # fmt: skip
 """Starts of the keys of inputs that no formula follows."""
 _STEP = 1e-6
@@ -79,6 +80,8 @@ class Traces:
         self.x = self._inputs()
         self.counted_contributors = contributors_of(design, self.x.wavelength, self._counted())
         self.model = RealTime(self.x, self.rule)
+        if self.plain.varying is not None:
+            self.model.varying = VaryingBiases(self.plain.x, partial(self._constant, taken=True))
         self._settled()
         self._outage()
         self._image()
@@ -122,7 +125,8 @@ class Traces:
             instead["gnss.velocity_interval"] = "gnss.interval"
         cells: dict[str, Any] = {key: self._cell(key) for key in VARIABLES if not key.startswith(without)}
         cells |= {key: self._or(key, cells[other]) for key, other in instead.items()}
-        fixed = {key: declaration_of(key).default for key in design if key.startswith(_WITHOUT_FORMULA[:2])}
+        defaults = (*_WITHOUT_FORMULA[:2], *VARYING_KEYS)
+        fixed = {key: declaration_of(key).default for key in design if key.startswith(defaults)}
         still = design.replace(fixed)
         resolved = inputs_of(still, cells | {"radar.aperture_time": None}).aperture
         inside = name("aperture_by_resolution", resolved, "Aperture time from the resolution", "s", "[S-3]")
@@ -152,6 +156,9 @@ class Traces:
                 for part in parts
             }
             changes["fast"][source] = replace(fast, **cells)
+        if self.plain.varying is not None:  # of these, formulas have what they make of tilt and heading
+            for field in ("instability_w", "time_w", "walk_a", "walk_w"):
+                changes[field] = self._constant(float(getattr(self.plain.x, field)), taken=True)
         return replace(x, **changes)
 
     def _figure(
@@ -337,7 +344,7 @@ class Traces:
         models = {"": whole}
         for source, fields in SIZES.items():
             sizes = {field: getattr(x, field) for field in fields if getattr(x, field) is not None}
-            if x.slow is not None or not sizes:
+            if x.slow is not None or whole.varying is not None or not sizes:
                 continue
             model = RealTime(replace(x, **{field: size * (1 + _STEP) for field, size in sizes.items()}), self.rule)
             same = source not in SEEN  # the filter is

@@ -6,6 +6,7 @@ Source: Makarem and Cheraghi Mahmudabadi 2019, equations 21 to 27.
 
 from typing import NamedTuple
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from nav_model.analytic.steady_state import Horizontal, Vertical
@@ -135,3 +136,21 @@ def bias_velocity(
     """
     b, d, g, t = (as_numbers(x) for x in (accelerometer_bias, gyro_bias, g, time))
     return b * t, g * d * t**2 / 2
+
+
+def varying_heading(instability: ArrayLike, correlation_time: ArrayLike, walk: ArrayLike, time: ArrayLike) -> Array:
+    """Variance of the heading [rad²] that the vertical gyro's varying bias makes over a time. [T-22]
+
+    Parameters
+    ----------
+    instability, correlation_time : array_like
+        Of a Gauss-Markov process, 1σ [rad/s], [s].
+    walk : array_like
+        Rate random walk, rad/s/√s.
+    time : array_like
+        Seconds.
+    """
+    sigma, tau, walk, t = (as_numbers(x) for x in (instability, correlation_time, walk, time))
+    age = t / tau
+    variance: Array = 2 * (sigma * tau) ** 2 * (age + np.expm1(-age)) + walk**2 * t**3 / 3
+    return variance

@@ -1,6 +1,7 @@
 """Settled filters, and the information of many fixes, by doubling a segment of flight.
 
-States are position, velocity, acceleration by tilt, and the slow error of the fixes where there is one: n is 3 or 4.
+States are position, velocity, acceleration by tilt, and the slow error of the fixes where there is one, then three of
+the sensors where their biases vary (`nav_model.analytic.channel`): n is 3 or 4, or 6 or 7.
 With a slow error the first state is position and slow error together, as a position fix measures it: the two apart
 are known much less well, and their difference would cost digits.
 
@@ -164,9 +165,10 @@ def continued(first: Segment, second: Segment) -> Segment:
 
 def without_slow_error(covariance: Array) -> Array:
     """From states with position and slow error together to states with position alone, (..., n, n)."""
-    if covariance.shape[-1] == 3:
+    size = covariance.shape[-1]
+    if size % 3 == 0:  # position, velocity and acceleration, and further three where a sensor's bias varies
         return covariance
-    change = np.eye(4)
+    change = np.eye(size)
     change[0, 3] = -1
     return np.asarray(change @ covariance @ change.T)
 

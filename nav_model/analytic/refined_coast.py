@@ -69,7 +69,7 @@ def refined_growth(
         If the Schuler angle sqrt(g/R) time exceeds 20 rad (4.5 hours on Earth).
     """
     qa, qw = as_numbers(sigma_a) ** 2, as_numbers(sigma_w) ** 2
-    g, t, v, latitude, heading = (as_numbers(x) for x in (g, time, speed, latitude, heading))
+    g, t = as_numbers(g), as_numbers(time)
     radius = MEAN_RADIUS + as_numbers(altitude)
     omega = np.sqrt(g / radius)
     p, v0 = start, start_vertical
@@ -93,17 +93,32 @@ def refined_growth(
         + qa * noise.coupled
         + g**2 * qw * noise.twice
     )
-    coriolis = 2 * EARTH_RATE * np.cos(latitude)
-    # east = along sin(heading) + cross cos(heading)
-    along, cross = coriolis * np.sin(heading) + 2 * v / radius, coriolis * np.cos(heading)
     vertical = (
         v0.v11 * free.rising**2
         + 2 * v0.v12 * free.rising * free.falling
         + v0.v22 * free.falling**2
         + qa * noise.falling
-        + (along**2 + cross**2) * by_coupling
+        + coupling(speed, latitude, altitude, heading) * by_coupling
     )
     return RefinedGrowth(horizontal, vertical)
+
+
+def coupling(speed: ArrayLike, latitude: ArrayLike, altitude: ArrayLike, heading: ArrayLike) -> Array:
+    """Square of the vertical acceleration that a horizontal velocity error of one makes, of both axes together, 1/s²,
+    by Coriolis and the centrifugal term. [T-17]
+
+    Parameters
+    ----------
+    speed, latitude, altitude, heading : array_like
+        m/s, rad, m, rad.
+    """
+    v, latitude, heading = (as_numbers(x) for x in (speed, latitude, heading))
+    coriolis = 2 * EARTH_RATE * np.cos(latitude)
+    # east = along sin(heading) + cross cos(heading)
+    along = coriolis * np.sin(heading) + 2 * v / (MEAN_RADIUS + as_numbers(altitude))
+    cross = coriolis * np.cos(heading)
+    square: Array = along**2 + cross**2
+    return square
 
 
 class _Responses(NamedTuple):

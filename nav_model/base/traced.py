@@ -26,7 +26,7 @@ _WHOLE = 4
 _CALLS = {
     "sqrt": "SQRT({})", "sin": "SIN({})", "cos": "COS({})", "tan": "TAN({})", "sinh": "SINH({})",
     "absolute": "ABS({})", "degrees": "DEGREES({})", "cbrt": "(({})^(1/3))", "negative": "(0-({}))",
-    "maximum": "MAX({},{})", "minimum": "MIN({},{})", "matmul": "SUMPRODUCT({},{})",
+    "expm1": "(EXP({})-1)", "maximum": "MAX({},{})", "minimum": "MIN({},{})", "matmul": "SUMPRODUCT({},{})",
 }  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import SlowError
 from nav_model.aperture import geometry
 from nav_model.base.arrays import Array, as_numbers
-from nav_model.base.constants import SPEED_OF_LIGHT
+from nav_model.base.constants import EARTH_RATE, MEAN_RADIUS, SPEED_OF_LIGHT
 from nav_model.base.errors import InputError
 from nav_model.budget.contributors import Contributors, contributors_of
 from nav_model.budget.fast import fast_sources, rectified
@@ -32,6 +32,32 @@ VARIABLES: tuple[str, ...] = tuple(
 )
 """Dotted keys of every input that a figure can depend on."""
 
+_VARYING = {
+    "instability_a": "accelerometer.bias_instability",
+    "time_a": "accelerometer.correlation_time",
+    "walk_a": "accelerometer.rate_random_walk",
+    "instability_w": "gyro.bias_instability",
+    "time_w": "gyro.correlation_time",
+    "walk_w": "gyro.rate_random_walk",
+}
+"""Fields of the biases that vary -> their keys."""
+
+VARYING_KEYS = tuple(_VARYING.values())
+"""Dotted keys of the biases that vary."""
+
+_CONSTANT = {
+    "turn_on_a": "accelerometer.turn_on_bias",
+    "misalignment_a": "accelerometer.misalignment",
+    "turn_on_w": "gyro.turn_on_bias",
+    "scale_w": "gyro.scale_factor",
+    "misalignment_w": "gyro.misalignment",
+    "g_sensitivity": "gyro.g_sensitivity",
+}
+"""Fields of a sensor's constant errors that a filter estimates or lives with -> their keys."""
+
+CONSTANT_KEYS = tuple(_CONSTANT.values())
+"""Dotted keys of a sensor's constant errors."""
+
 LONGEST_APERTURE = float(Radar.param["aperture_time"].bounds[1])  # s
 
 Replacement = ArrayLike | None
@@ -42,7 +68,10 @@ class Inputs:
     """The inputs of the figures in SI; numbers or arrays that broadcast together.
 
     sigma_a, sigma_w: random walk of accelerometers [m/s/√s] and gyros [rad/√s], vibration factor applied; bias_a,
-    bias_w: what the filter does not absorb [m/s², rad/s]. fix, fix_vertical: position noise [m] of a fix every
+    bias_w: what the filter does not absorb [m/s², rad/s]; turn_on_a, turn_on_w: constant biases that it estimates;
+    instability_a, time_a, walk_a and those with w: its in-run instability [m/s², rad/s] and correlation time [s], and
+    rate random walk [m/s²/√s, rad/s/√s], all None where none varies; scale_w, misalignment_a, misalignment_w
+    [rad], g_sensitivity [rad/s per m/s²]. fix, fix_vertical: position noise [m] of a fix every
     `interval`; velocity, velocity_vertical: velocity noise [m/s] every `velocity_interval`; slow: GNSS error with a
     correlation time. duration: of the outage; before_aperture: from the last fix to the aperture; leg_after: with
     fixes after it [s]. fast: source -> vibration, unsensed motion, oscillator along the line of sight; rectified:
@@ -82,11 +111,47 @@ class Inputs:
     rectified: Array | None
     contributors: Contributors
     limits: tuple[Limit, ...]
+    turn_on_a: Array
+    turn_on_w: Array
+    scale_w: Array
+    misalignment_a: Array
+    misalignment_w: Array
+    g_sensitivity: Array
+    instability_a: Array | None = None
+    instability_w: Array | None = None
+    time_a: Array | None = None
+    time_w: Array | None = None
+    walk_a: Array | None = None
+    walk_w: Array | None = None
 
     @property
     def bias(self) -> Array:
         """Accelerometer bias with that of vibration, m/s². [P-12]"""
         return self.bias_a if self.rectified is None else np.sqrt(self.bias_a**2 + self.rectified**2)
+
+    @property
+    def settled_tilt(self) -> Array:
+        """Variance of the tilt [rad²] by which a settled filter cancels what else acts on level accelerometers: their
+        biases, gravity by a misalignment, and what rate random walk has made by the end of the flight. [T-22]"""
+        walked = 0.0 if self.walk_a is None else self.walk_a**2 * self.duration
+        variance: Array = (self.bias**2 + self.turn_on_a**2 + walked) / self.g**2 + self.misalignment_a**2
+        return variance
+
+    @property
+    def heading_rate(self) -> Array:
+        """Variance of the rate of the heading error by what is constant [rad²/s²]: biases of the vertical gyro,
+        the turn of the Earth and along it by scale factor and misalignment, gravity by g-sensitivity. [T-22]"""
+        # On a great circle the vertical gyro senses the Earth alone.
+        around, ahead = EARTH_RATE * np.cos(self.latitude), self.speed / (MEAN_RADIUS + self.altitude)
+        level = around**2 + 2 * around * ahead * np.sin(self.heading) + ahead**2
+        variance: Array = (
+            self.bias_w**2
+            + self.turn_on_w**2
+            + (self.scale_w * EARTH_RATE * np.sin(self.latitude)) ** 2
+            + self.misalignment_w**2 * level
+            + (self.g_sensitivity * self.g) ** 2
+        )
+        return variance
 
     @property
     def to_phase(self) -> Array:
@@ -168,6 +233,7 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
             else horizontal * fix_vertical / fix
         )
         slow = SlowError(horizontal, vertical, value("gnss.correlation_time"))
+    varies = any(np.any(value(key)) for field, key in _VARYING.items() if not field.startswith("time"))
     resolution = value("radar.azimuth_resolution")
     aperture = (
         value("radar.aperture_time")
@@ -212,4 +278,6 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
         rectified=rectified(design, value),
         contributors=contributors_of(design, wavelength) if design.contributors else Contributors(),
         limits=design.limits,
+        **{field: value(key) for field, key in _CONSTANT.items()},
+        **({field: value(key) for field, key in _VARYING.items()} if varies else {}),
     )

@@ -10,14 +10,15 @@ from numpy.typing import ArrayLike
 
 from nav_model.analytic import coast as growth
 from nav_model.analytic import steady_state as steady
+from nav_model.analytic.channel import drift, tilt_variance
 from nav_model.analytic.discrete import Sawtooth
-from nav_model.analytic.doubling import carried, drift, measured, updated, without_slow_error
+from nav_model.analytic.doubling import carried, measured, updated, without_slow_error
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.base.errors import InputError, quoted
 from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.real_time import RealTime
-from nav_model.budget.smoothed import channels
+from nav_model.budget.varying import channels
 from nav_model.design import Design
 from nav_model.design.figures import STEADY
 from nav_model.processing.flight import Channel, DoubledFlight, values_of
@@ -54,10 +55,10 @@ def _even_times(duration: float) -> Array:
 class SteadyState:
     """The settled filter in real time, without contributors: figure -> 1σ at moments of its cycle.
 
-    ``closed`` is the cycle rms in closed form [T-3], [T-4], ``average`` the same with what a slow GNSS error adds to
-    it; ``prior`` and ``posterior`` are the discrete filter just before and just after a fix [T-8], slow error
-    included. ``asymptote`` is [T-7]: position, velocity, tilt, horizontal. ``lambda_dt`` is the larger of the two
-    channels.
+    ``closed`` is the cycle rms in closed form [T-3], [T-4], ``average`` the same with what a slow GNSS error and
+    varying biases add to it; ``prior`` and ``posterior`` are the discrete filter just before and just after a fix
+    [T-8], these included. ``asymptote`` is [T-7]: position, velocity, tilt, horizontal. ``lambda_dt`` is the larger
+    of the two channels.
     """
 
     closed: Mapping[str, float]
@@ -106,7 +107,7 @@ def steady_marks(design: Design) -> tuple[str, str]:
 
 def steady_state_of(model: RealTime) -> SteadyState:
     """The settled filter of one design."""
-    x, closed, cycle = model.x, model.closed, model.cycle
+    x, closed = model.x, model.closed
     asymptote = steady.gyro_dominated(x.sigma_w, x.s, x.g)
     lambda_dt = max(
         float(steady.lambda_dt(variance, s, x.interval))
@@ -114,9 +115,9 @@ def steady_state_of(model: RealTime) -> SteadyState:
     )
     return SteadyState(
         closed=_sigmas(model, closed),
-        average=_sigmas(model, model.at_last_fix),
-        prior=_sigmas(model, cycle.prior),
-        posterior=_sigmas(model, cycle.posterior),
+        average=_sigmas(model, model.moment("closed")),
+        prior=_sigmas(model, model.moment("prior")),
+        posterior=_sigmas(model, model.moment("posterior")),
         gyro_dominance=float(steady.gyro_dominance(x.sigma_a, x.sigma_w, x.s, x.g)),
         asymptote=(math.sqrt(asymptote[0]), math.sqrt(asymptote[1]), math.sqrt(asymptote[2])),
         lambda_dt=lambda_dt,
@@ -149,7 +150,7 @@ def outage_of(model: RealTime, time: Array) -> Outage:
         refined_vertical=np.sqrt(refined[1]),
         perfect_start_horizontal=np.sqrt(perfect[0]),
         perfect_start_vertical=np.sqrt(perfect[1]),
-        initial_tilt=np.sqrt(growth.initial_tilt(model.cycle.posterior.horizontal.p33, x.g, time)),
+        initial_tilt=np.sqrt(growth.initial_tilt(model.started(model.cycle.posterior).horizontal.p33, x.g, time)),
     )
 
 
@@ -171,7 +172,7 @@ def smoothed_outage(x: Inputs, time: Array) -> dict[str, Array]:
         Figure -> one sigma, (n,): m, m/s, rad.
     """
     horizontal, vertical = (_bridged(channel, time, x.duration, x.leg_after) for channel in channels(x))
-    tilt = np.sqrt(horizontal[2] ** 2 + x.bias**2) / x.g
+    tilt = np.sqrt((horizontal[2] / x.g) ** 2 + x.settled_tilt)
     sigmas = (horizontal[0], vertical[0], horizontal[1], vertical[1], tilt)
     return dict(zip(STEADY, sigmas, strict=True))
 
@@ -186,18 +187,19 @@ def _bridged(channel: Channel, time: Array, outage: Array, after: Array) -> Arra
     start, after_outage = flight.start(none), flight.information_after(none, after / axis.step)
     # Before the outage: from the last fix that both kinds share on, and with the fixes up to time 0.
     periods = as_numbers(np.ceil(-now / axis.parts) * axis.parts)
-    back = measured(drift(none + length, *axis.noise), after_outage).info
+    back = measured(drift(none + length, axis.noise), after_outage).info
     smoothed = updated(
         carried(start, flight.segment_to(now + periods)), flight.information_after(now + periods, periods, back)
     )
     # In it: from the last fix on, and back from the first one after it.
     late = time[inside] / axis.step[-1]
-    a, w, slow, gradient = axis.noise
-    noise = a[-1], w[-1], slow and (slow[0][-1], slow[1][-1]), gradient[-1]
-    forward, backward = drift(late, *noise), drift(length - late, *noise)
+    noise = axis.noise.of(np.full(late.shape, -1))
+    forward, backward = drift(late, noise), drift(length - late, noise)
     bridged = updated(carried(start[-1], forward), measured(backward, after_outage[-1]).info)
     # Both in the order of time, from steps and the filter's lengths back to SI.
-    covariance = without_slow_error(np.concatenate([smoothed[:-1], bridged]))
+    covariance = np.concatenate([smoothed[:-1], bridged])
+    variance = np.einsum("nii->in", without_slow_error(covariance))[:3].copy()
+    variance[2] = tilt_variance(covariance, axis.noise.of(np.zeros(len(covariance), int)))
     order = np.argsort(np.concatenate([np.flatnonzero(~inside), np.flatnonzero(inside)]))
-    sigma = np.sqrt(np.einsum("nii->in", covariance[order])[:3])
+    sigma = np.sqrt(variance[:, order])
     return np.asarray(sigma * axis.length[0] / axis.step[0] ** np.arange(3)[:, None])

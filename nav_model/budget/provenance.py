@@ -10,6 +10,7 @@ from types import MappingProxyType
 
 from nav_model.base.constants import MEAN_RADIUS
 from nav_model.base.text.toml_text import shipped
+from nav_model.budget.inputs import CONSTANT_KEYS, VARYING_KEYS
 from nav_model.budget.navigation import steady_marks
 from nav_model.budget.result import Budget
 from nav_model.design import Design
@@ -21,6 +22,8 @@ _LOWEST, _HIGHEST = -500.0, 9000.0  # ground on Earth [m], from the Dead Sea's s
 
 WIDE_SAWTOOTH = 0.5
 """lambda·dt above which a design is flagged: the closed form is then far from both ends of its cycle."""
+
+_COUNTS = 0.1  # part of a figure from which a sensor's quantization is named
 
 CLOSED, DISCRETE = "formula", "discrete Riccati equation, exact"
 """Methods of `provenance.toml` on which a slow GNSS error has an effect."""
@@ -43,6 +46,8 @@ _CYCLE = frozenset(key for key, entry in _TABLE.items() if entry.note == "rms ov
 
 
 _AFTER_A_FIX = "from the covariance just after a fix [T-8]"
+_GROWN = ("[T-9]", "[T-17]", "[S-2]", "[S-5]", "[S-6]", "[S-8]", "[P-7]")
+"""Marks of what grows after the last fix."""
 _AUGMENTED_NOTE = "white noise only, without the slow GNSS error"
 
 
@@ -50,15 +55,32 @@ def provenance(budget: Budget) -> Mapping[str, Provenance]:
     """JSON key -> where that number comes from, for this budget.
 
     With a slow GNSS error the closed forms describe the white noise only and say so; the phase budget starts from
-    their tilt and what the slow error adds to that just after a fix.
+    their tilt and what the slow error adds to that just after a fix. So it is with biases that vary.
     """
     table = dict(_TABLE)
     if budget.design.gnss.velocity_noise is not None:
         table |= {key: replace(_TABLE[key], equation=steady_marks(budget.design)[0]) for key in _CYCLE}
         for key in ("steady_state.gyro_dominance", "steady_state.asymptote"):
             table[key] = replace(_TABLE[key], note="of position fixes alone; velocity fixes are left out")
-    if not budget.design.gnss.correlated:
-        return MappingProxyType(table)
+    if budget.design.gnss.correlated:
+        table = _with_slow_error(table)
+    return MappingProxyType(table if budget.x.instability_a is None else _with_varying_biases(table))
+
+
+def _with_varying_biases(table: Mapping[str, Provenance]) -> dict[str, Provenance]:
+    changed = dict(table)
+    for key, entry in table.items():
+        if key.startswith("steady_state") and entry.method == CLOSED:
+            changed[key] = replace(entry, note="; ".join(filter(None, (entry.note, "without varying biases"))))
+        elif key.startswith(("steady_state.discrete", "post_processed")):
+            changed[key] = replace(entry, equation=f"{entry.equation}, [T-19]")
+        elif any(mark in entry.equation for mark in _GROWN):
+            changed[key] = replace(entry, equation=f"{entry.equation}, [T-21]")
+    return changed
+
+
+def _with_slow_error(table: dict[str, Provenance]) -> dict[str, Provenance]:
+    table = dict(table)
     for key, entry in tuple(table.items()):
         if key.startswith("steady_state") and entry.method == CLOSED:
             table[key] = replace(entry, note=_AUGMENTED_NOTE)
@@ -72,7 +94,7 @@ def provenance(budget: Budget) -> Mapping[str, Provenance]:
             table[key] = replace(
                 entry, equation=f"{entry.equation}, [T-8]", note="with the tilt that the slow GNSS error adds"
             )
-    return MappingProxyType(table)
+    return table
 
 
 def cautions(budget: Budget) -> tuple[str, ...]:
@@ -103,10 +125,25 @@ def cautions(budget: Budget) -> tuple[str, ...]:
             f"The oscillator's table begins at {table[0][0]:.3g} Hz, above one cycle per aperture. Slower noise is "
             "not included."
         )
+    sentences += _of_quantization(budget)
     sentences += _of_receiver_class(design)
     sentences += [f"{key} has no effect any more: {OUTDATED[key][1]}." for key in design.outdated]
     sentences += [sentence for holds, sentence in _STANDING if holds(design)]
     return tuple(sentences)
+
+
+def _of_quantization(budget: Budget) -> list[str]:
+    """Cautions about counts of a sensor that show beside a figure: bounded, as the remainder is carried."""
+    gyro, accelerometer = budget.design.gyro.quantization, budget.design.accelerometer.quantization
+    parts = ((gyro, "tilt"), (accelerometer, "horizontal_velocity"), (accelerometer, "vertical_velocity"))
+    return [
+        f"One count of the {'gyros' if figure == 'tilt' else 'accelerometers'}, 1σ of its rounding, is "
+        f"{count / math.sqrt(12) / sigma:.0%} of the {figure.replace('_', ' ')}. It is in no figure.".replace(
+            "%", " %"
+        )
+        for count, figure in parts
+        if count / math.sqrt(12) > _COUNTS * (sigma := budget.figure(figure).sigma)
+    ]
 
 
 def _of_receiver_class(design: Design) -> list[str]:
@@ -176,6 +213,17 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
         "Residual biases count in full in the outage, and in real time in phase and image shift: as after a turn of "
         "60°. On a straight line the filter cancels that of the accelerometers by a tilt. Post-processed they cost "
         "that tilt alone, as the smoother absorbs them.",
+    ),
+    (
+        lambda design: any(design[key] for key in VARYING_KEYS if not key.endswith("time")),
+        "Biases that vary are states of the filter and in every figure [T-19], [T-21]. Tilt takes an instability in "
+        "full [T-20], as fixes settle in a minute and tell tilt from bias after hours. Rate random walk counts in "
+        "tilt and heading from the start of the leg, for as long as the outage [T-22].",
+    ),
+    (
+        lambda design: any(design[key] for key in CONSTANT_KEYS),
+        "Turn-on biases, misalignments, scale factor and g-sensitivity cost tilt and heading alone on a straight leg "
+        "[T-22]; flights and runs have what turns make of them.",
     ),
     (
         lambda design: bool(design.gnss.correlated),

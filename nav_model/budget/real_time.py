@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from typing import Self
+from typing import Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,16 +17,18 @@ from numpy.typing import ArrayLike
 from nav_model.analytic import coast as growth
 from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import Cycle, Sawtooth, cycle
-from nav_model.analytic.refined_coast import refined_growth
+from nav_model.analytic.refined_coast import coupling, refined_growth
 from nav_model.analytic.rise import gravity_gradient, vertical_velocity
 from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.analytic.turning import LEFT_OF_ORDER, Bend, Turn, free_bend, turn_of
 from nav_model.aperture import phase
-from nav_model.base.arrays import Array
+from nav_model.aperture.geometry import line_of_sight_weights
+from nav_model.base.arrays import Array, as_numbers
 from nav_model.budget.contributors import Composed
 from nav_model.budget.fast import levels
 from nav_model.budget.inputs import RECTIFICATION, Inputs
 from nav_model.budget.response import measures
+from nav_model.budget.varying import VARYING, Columns, VaryingBiases
 from nav_model.design.figures import FIGURES
 from nav_model.design.processing import REAL_TIME
 from nav_model.processing.geolocation import (
@@ -38,6 +40,11 @@ from nav_model.processing.geolocation import (
     ground_covariance,
     shifts,
 )
+from nav_model.processing.smoother import SmoothedError
+
+_NOTHING = (np.zeros(()), np.zeros(()))
+Pairs = Columns | SmoothedError
+Pair = TypeVar("Pair", Bend, AxisError)
 
 
 class RealTime:
@@ -113,8 +120,21 @@ class RealTime:
         return self.moment(self.x.steady_state)
 
     def moment(self, moment: str) -> Sawtooth:
-        """The filter at the "prior", the "posterior", or "closed": on average between fixes."""
-        return self.at_last_fix if moment == "closed" else getattr(self.cycle, moment)
+        """The filter at the "prior", the "posterior", or "closed": on average between fixes, with varying biases."""
+        saw = self.at_last_fix if moment == "closed" else getattr(self.cycle, moment)
+        return saw if self.varying is None else self.varying.on(saw, after=moment != "prior", tilt=True)
+
+    @cached_property
+    def varying(self) -> VaryingBiases | None:
+        """Additions by biases that vary while the filter estimates them. [T-21]
+
+        Closed forms have white noise alone, so the covariances and formulas here do, and each figure adds it.
+        """
+        return None if self.x.instability_a is None else VaryingBiases(self.x)
+
+    def started(self, saw: Sawtooth) -> Sawtooth:
+        """The filter without varying biases, with them: its tilt is what accelerates, their sum."""
+        return saw if self.varying is None else self.varying.on(saw, after=True)
 
     def at(self, moment: Sawtooth) -> Self:
         """Copy of the formulas with the steady state at another moment of the cycle."""
@@ -141,12 +161,12 @@ class RealTime:
     @property
     def tilt(self) -> Array:
         # A filter sees only the sum of tilt and accelerometer bias on a straight level leg: settled, the tilt is b/g.
-        return np.sqrt(self.checked.horizontal.p33 + (self.x.bias / self.x.g) ** 2)
+        return np.sqrt(self.checked.horizontal.p33 + self.x.settled_tilt)
 
     @property
     def initial_tilt(self) -> Array:
         """Tilt at the last fix before the aperture, rad."""
-        return np.sqrt(self.at_last_fix.horizontal.p33)
+        return np.sqrt(self.started(self.at_last_fix).horizontal.p33)
 
     # The outage, at times since the last fix [s].
 
@@ -166,8 +186,18 @@ class RealTime:
             heading=x.heading,
             rule=self._rule,
         )
-        bias_a, bias_w = growth.bias_position(x.bias, x.bias_w, x.g, time)
-        return free.horizontal + bias_a**2 + bias_w**2, free.vertical + bias_a**2
+        by_coupling = coupling(x.speed, x.latitude, x.altitude, x.heading) * self._later("coupled", time)[0]
+        return self._biased((free.horizontal, free.vertical + by_coupling), time)
+
+    def _biased(self, position: tuple[Array, Array], time: ArrayLike) -> tuple[Array, Array]:
+        """Position variances, horizontal and vertical, with what residual biases and varying ones add."""
+        bias_a, bias_w = growth.bias_position(self.x.bias, self.x.bias_w, self.x.g, time)
+        level, upright = self._later("position", time)
+        return position[0] + bias_a**2 + bias_w**2 + level, position[1] + bias_a**2 + upright
+
+    def _later(self, column: str, time: ArrayLike) -> tuple[Array, Array]:
+        """Variances that varying biases add a time after the last fix, of a horizontal axis and the vertical."""
+        return _NOTHING if self.varying is None else self.varying.later(time)[column]
 
     @cached_property
     def _refined_end(self) -> tuple[Array, Array]:
@@ -183,10 +213,9 @@ class RealTime:
         return np.sqrt(self._refined(time)[1])
 
     def polynomial_position(self, time: Array) -> tuple[Array, Array]:
-        """Position variances by the polynomials, horizontal and vertical, with the residual biases. [T-9], [T-10]"""
-        bias_a, bias_w = growth.bias_position(self.x.bias, self.x.bias_w, self.x.g, time)
+        """Position variances by the polynomials, horizontal and vertical, with the biases. [T-9], [T-10]"""
         horizontal, vertical = self._polynomials(time)
-        return horizontal.position + bias_a**2 + bias_w**2, vertical.position + bias_a**2
+        return self._biased((horizontal.position, vertical.position), time)
 
     def _polynomials(self, time: Array) -> tuple[growth.HorizontalGrowth, growth.VerticalGrowth]:
         """Both channels by the polynomials, from the covariance just after a fix as `refined` is. [T-9], [T-10]
@@ -201,25 +230,26 @@ class RealTime:
         )
 
     def coast_horizontal_velocity(self, time: Array) -> Array:
-        return self._with_drift(self._polynomials(time)[0].velocity, time)
-
-    def _with_drift(self, velocity: Array, time: Array) -> Array:
-        """A horizontal velocity variance as a sigma with what both residual biases add."""
-        drift_a, drift_w = growth.bias_velocity(self.x.bias, self.x.bias_w, self.x.g, time)
-        return np.sqrt(velocity + drift_a**2 + drift_w**2)
+        x, (added, _) = self.x, self._later("velocity", time)
+        drift_a, drift_w = growth.bias_velocity(x.bias, x.bias_w, x.g, time)
+        return np.sqrt(self._polynomials(time)[0].velocity + drift_a**2 + drift_w**2 + added)
 
     def coast_vertical_velocity(self, time: Array) -> Array:
-        x = self.x
+        x, (_, added) = self.x, self._later("velocity", time)
         drift_a, _ = growth.bias_velocity(x.bias, x.bias_w, x.g, time)
-        return np.sqrt(vertical_velocity(self.cycle.posterior.vertical, x.sigma_a, x.g, time) + drift_a**2)
+        return np.sqrt(vertical_velocity(self.cycle.posterior.vertical, x.sigma_a, x.g, time) + drift_a**2 + added)
 
     def coast_tilt(self, time: Array) -> Array:
-        x, free = self.x, self._polynomials(time)[0]
-        return np.sqrt(free.tilt + (x.bias / x.g) ** 2 + (x.bias_w * time) ** 2)  # b/g as before the outage
+        x, start, (added, _) = self.x, self.moment("posterior").horizontal.p33, self._later("tilt", time)
+        grown = x.sigma_w**2 * time + added / x.g**2 + (x.bias_w * time) ** 2
+        return np.sqrt(start + grown + x.settled_tilt)
 
     def coast_heading(self, time: Array) -> Array:
-        x = self.x
-        return np.sqrt(steady.yaw_variance(x.sigma_w, time) + (x.bias_w * time) ** 2)
+        x, time = self.x, as_numbers(time)
+        variance = steady.yaw_variance(x.sigma_w, time) + x.heading_rate * time**2
+        if x.instability_w is not None and x.time_w is not None and x.walk_w is not None:
+            variance = variance + growth.varying_heading(x.instability_w, x.time_w, x.walk_w, time)
+        return np.sqrt(variance)
 
     # The phase over the aperture: variances along the line of sight of mid-aperture, by source; then of the image,
     # along the line of sight as it turns.
@@ -241,6 +271,13 @@ class RealTime:
         if x.rectified is not None:
             of_bias = phase.phase_budget(0.0, 0.0, 0.0, x.rectified, 0.0, *arguments)
             fast[RECTIFICATION] = of_bias["accelerometer bias"]
+        if self.varying is not None:
+            fast[VARYING] = phase.PhaseVariances(
+                *(
+                    line_of_sight(self.varying.over_aperture[name], x.grazing_angle)
+                    for name in ("quadratic", "cubic", f"left_{order}")
+                )
+            )
         return {**by_source, **fast} if fast else by_source
 
     @cached_property
@@ -280,10 +317,11 @@ class RealTime:
     def _bend(self, kind: str) -> tuple[Bend, Bend]:
         x, start = self.x, self.at_last_fix
         inside = x.g, x.before_aperture, x.aperture
-        return (
+        closed = (
             free_bend(kind, start.horizontal, x.sigma_a, x.sigma_w, x.bias, x.bias_w, *inside),
             free_bend(kind, start.vertical, x.sigma_a, 0.0, x.bias, 0.0, *inside),
         )
+        return closed if self.varying is None else summed(closed, bends_of(self.varying.over_aperture, kind))
 
     def bends(self, kind: str) -> tuple[Bend, Bend]:
         """Covariances of the turn with the "quadratic" or the "cubic"."""
@@ -357,10 +395,11 @@ class RealTime:
         """Line in the position error over the aperture, horizontal and vertical. [P-7]"""
         x, start = self.x, self.at_last_fix
         inside = x.before_aperture, x.aperture
-        return (
+        closed = (
             free_line(start.horizontal, x.sigma_a, x.sigma_w, x.bias, x.bias_w, x.g, *inside),
             free_line(start.vertical, x.sigma_a, 0.0, x.bias, 0.0, x.g, *inside),
         )
+        return closed if self.varying is None else summed(closed, lines_of(self.varying.over_aperture))
 
     @cached_property
     def shift(self) -> Shifts:
@@ -414,6 +453,32 @@ class RealTime:
     pslr = property(lambda self: self._response["pslr"])
     response_islr = property(lambda self: self._response["response_islr"])
     peak_loss = property(lambda self: self._response["peak_loss"])
+
+
+def line_of_sight(column: Array | tuple[Array, Array], grazing_angle: Array) -> Array:
+    """Variance along the line of sight from those of a horizontal axis and the vertical. [S-1]"""
+    horizontal, vertical = line_of_sight_weights(grazing_angle)
+    variance: Array = horizontal * column[0] + vertical * column[1]
+    return variance
+
+
+def summed(one: tuple[Pair, Pair], other: tuple[Pair, Pair]) -> tuple[Pair, Pair]:
+    """Covariances of both axes, element by element."""
+    first, second = (type(a)(*(x + y for x, y in zip(a, b, strict=True))) for a, b in zip(one, other, strict=True))
+    return first, second
+
+
+def bends_of(columns: Pairs, kind: str) -> tuple[Bend, Bend]:
+    """Covariances of the turn with the "quadratic" or the "cubic", of both axes, from columns of an aperture."""
+    prefix = "" if kind == "quadratic" else "cubic_"
+    of_axis = [columns[prefix + name] for name in Bend._fields]
+    return Bend(*(column[0] for column in of_axis)), Bend(*(column[1] for column in of_axis))
+
+
+def lines_of(columns: Pairs) -> tuple[AxisError, AxisError]:
+    """Lines in the position errors of both axes, from columns of an aperture."""
+    mean, slope, both = (columns[name] for name in ("mean", "slope", "mean_slope"))
+    return AxisError(mean[0], slope[0], both[0]), AxisError(mean[1], slope[1], both[1])
 
 
 def with_range_errors(x: Inputs, shift: Shifts) -> Shifts:

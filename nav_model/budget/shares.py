@@ -33,6 +33,16 @@ _SIZES = {
     ACCELEROMETER_BIAS: ("bias_a",),
     GYRO_BIAS: ("bias_w",),
     RECTIFICATION: ("rectified",),
+    "accelerometer bias instability": ("instability_a",),
+    "gyro bias instability": ("instability_w",),
+    "accelerometer bias random walk": ("walk_a",),
+    "gyro bias random walk": ("walk_w",),
+    "accelerometer turn-on bias": ("turn_on_a",),
+    "gyro turn-on bias": ("turn_on_w",),
+    "gyro scale factor": ("scale_w",),
+    "accelerometer misalignment": ("misalignment_a",),
+    "gyro misalignment": ("misalignment_w",),
+    "gyro g-sensitivity": ("g_sensitivity",),
 }
 """Source of error -> the fields of `Inputs` that are its size, where they have other names than its declaration."""
 
@@ -66,7 +76,10 @@ def sizes_of(declared: Mapping[str, str]) -> Mapping[str, tuple[str, ...]]:
 SIZES = sizes_of({key.partition(".")[2]: source for key in VARIABLES if (source := quantity(key).source)})
 """Source of error -> the inputs that are its size."""
 
-SEEN = (ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE, GNSS_VELOCITY, SLOW_GNSS)
+VARY = tuple(name for name, fields in _SIZES.items() if fields[0].startswith(("instability", "walk")))
+"""Sources that are biases which vary while the filter estimates them."""
+
+SEEN = (ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE, GNSS_VELOCITY, SLOW_GNSS, *VARY)
 """Sources that filter and smoother weigh; others reach figures beside them."""
 
 

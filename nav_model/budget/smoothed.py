@@ -1,39 +1,21 @@
 """The figures after the flight, when a smoother has every fix. [P-3], [P-5]
 
 What is not here is the same in both processings (`nav_model.budget.real_time`). Constant residual biases cost
-nothing: the smoother takes them up.
+nothing but a tilt: the smoother takes them up.
 """
 
 from functools import cached_property
 
 import numpy as np
 
-from nav_model.analytic.rise import gravity_gradient
 from nav_model.analytic.turning import Bend
-from nav_model.aperture.geometry import line_of_sight_weights
-from nav_model.base.arrays import Array, as_numbers
+from nav_model.base.arrays import Array
 from nav_model.budget.inputs import Inputs
-from nav_model.budget.real_time import RealTime, azimuth_lever, fast_slope
+from nav_model.budget.real_time import RealTime, azimuth_lever, bends_of, fast_slope, line_of_sight, lines_of
+from nav_model.budget.varying import channels
 from nav_model.design.processing import POST_PROCESSED
-from nav_model.processing.flight import Channel
 from nav_model.processing.geolocation import AxisError
 from nav_model.processing.smoother import SmoothedError
-
-
-def channels(x: Inputs) -> tuple[Channel, Channel]:
-    """Inputs of the smoother for a horizontal axis and the vertical one."""
-    level = upright = time = None
-    if x.slow is not None:
-        level, upright, time = map(as_numbers, x.slow)
-    horizontal, vertical, interval = x.velocity, x.velocity_vertical, x.velocity_interval
-    if horizontal is None:
-        vertical = interval = None
-    return (
-        Channel(x.sigma_a, x.g * x.sigma_w, x.fix, x.interval, horizontal, interval, level, time),
-        Channel(
-            x.sigma_a, None, x.fix_vertical, x.interval, vertical, interval, upright, time, gravity_gradient(x.g)
-        ),
-    )
 
 
 class Smoothed(RealTime):
@@ -65,33 +47,26 @@ class Smoothed(RealTime):
 
     @property
     def tilt(self) -> Array:
-        return np.asarray(np.sqrt(self.error["tilt"][0] + self.x.bias**2) / self.x.g)
-
-    def _along_sight(self, column: str) -> Array:
-        """Variance along the line of sight from both axes. [S-1]"""
-        weights = line_of_sight_weights(self.x.grazing_angle)
-        return np.asarray(sum(weight * axis for weight, axis in zip(weights, self.error[column], strict=True)))
+        return np.asarray(np.sqrt(self.error["tilt"][0] / self.x.g**2 + self.x.settled_tilt))
 
     def sight_variance(self, column: str) -> Array:
         """Variance along the line of sight with vibration, unsensed motion and oscillator."""
         fast = sum(getattr(effect, column) for effect in self.x.fast.values())
-        return np.asarray(self._along_sight(column) + fast)
+        return np.asarray(line_of_sight(self.error[column], self.x.grazing_angle) + fast)
 
     def _bend(self, kind: str) -> tuple[Bend, Bend]:
-        prefix = "" if kind == "quadratic" else "cubic_"
-        columns = [self.error[prefix + name] for name in Bend._fields]
-        return Bend(*(column[0] for column in columns)), Bend(*(column[1] for column in columns))
+        return bends_of(self.error, kind)
 
     @property
     def lines(self) -> tuple[AxisError, AxisError]:
         """Line in the smoothed position error over the aperture, horizontal and vertical. [P-7]"""
-        mean, slope, both = (self.error[name] for name in ("mean", "slope", "mean_slope"))
-        return AxisError(mean[0], slope[0], both[0]), AxisError(mean[1], slope[1], both[1])
+        return lines_of(self.error)
 
     @property
     def slope_shift(self) -> Array:
         """Azimuth shift without the position along the track, m: R/V times the slope of the line of sight."""
-        return np.asarray(azimuth_lever(self.x) * np.sqrt(self._along_sight("slope") + fast_slope(self.x)))
+        slope = line_of_sight(self.error["slope"], self.x.grazing_angle)
+        return np.asarray(azimuth_lever(self.x) * np.sqrt(slope + fast_slope(self.x)))
 
 
 def model_of(x: Inputs) -> RealTime:

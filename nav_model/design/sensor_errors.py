@@ -10,9 +10,17 @@ _SINCE = "0.2.0"
 
 
 def _error(
-    dimension: str, unit: str, short: str, highest: float, label: str, doc: str, datasheet: str, typical: str
+    dimension: str,
+    unit: str,
+    short: str,
+    highest: float,
+    label: str,
+    doc: str,
+    datasheet: str,
+    typical: str,
+    source: str = "",
 ) -> Any:
-    """An error that is zero unless given."""
+    """An error that is zero unless given, `source` its name in shares, where a figure takes it."""
     return Quantity(
         default=0.0,
         dimension=dimension,
@@ -23,7 +31,8 @@ def _error(
         doc=doc,
         datasheet=datasheet,
         typical=typical,
-        variable=False,
+        source=source,
+        variable=bool(source),
         since=_SINCE,
     )
 
@@ -41,7 +50,6 @@ def _correlation_time(short: str) -> Any:
         datasheet="Seldom on data sheets. Take it from an Allan plot, where its flat part begins.",
         typical="fibre and laser 3600, MEMS 100 to 1000 s",
         needs=("bias_instability",),
-        variable=False,
         since=_SINCE,
     )
 
@@ -68,23 +76,28 @@ class Gyro(Part):
     turn_on_bias = _error(
         "angular rate", "°/h", "gto", 1e5 * DEGREE_PER_HOUR, "Turn-on bias", _TURN_ON, _REPEATABILITY,
         "navigation 0.003, tactical 1 to 10, MEMS 100 to 2000 °/h",
+        "gyro turn-on bias",
     )  # fmt: skip
     bias_instability = _error(
         "angular rate", "°/h", "gbi", 1e5 * DEGREE_PER_HOUR, "Bias instability", _INSTABILITY, _IN_RUN,
         "navigation 0.003, tactical 0.5, MEMS 1 to 10 °/h",
+        "gyro bias instability",
     )  # fmt: skip
     correlation_time = _correlation_time("gbt")
     rate_random_walk = _error(
         "rate random walk", "°/h/√h", "grw", 1e5 * DEGREE_PER_HOUR / 60, "Rate random walk", _WALK,
         "Seldom on data sheets: the right end of the Allan plot.", "tactical 0.1, MEMS 1 to 10 °/h/√h",
+        "gyro bias random walk",
     )  # fmt: skip
     scale_factor = _error(
         "ratio", "ppm", "gsf", 0.1, "Scale factor error", _SCALE, '"Scale factor error" or "repeatability".',
         "laser 5, fibre 100, MEMS 300 to 10000 ppm",
+        "gyro scale factor",
     )  # fmt: skip
     misalignment = _error(
         "angle", "mrad", "gmi", 0.1, "Misalignment", _MISALIGNMENT, '"Axis misalignment" or "orthogonality".',
         "laser 0.02, tactical 0.3, MEMS 1 mrad",
+        "gyro misalignment",
     )  # fmt: skip
     quantization = _error(
         "angle", "arcsec", "gqu", 0.1, "Quantization", "Size of one count of the integrated angle.",
@@ -94,6 +107,7 @@ class Gyro(Part):
         "rate per acceleration", "°/h/g", "ggs", 1e5 * DEGREE_PER_HOUR / STANDARD_GRAVITY, "g-sensitivity",
         "Rate by specific force along each axis, 1σ, constant through a flight.",
         '"Linear acceleration effect" or "g-sensitivity".', "fibre and laser none, tactical 1, MEMS 10 to 100 °/h/g",
+        "gyro g-sensitivity",
     )  # fmt: skip
 
 
@@ -107,15 +121,18 @@ class Accelerometer(Part):
     turn_on_bias = _error(
         "acceleration", "mg", "ato", 1000 * MILLI_G, "Turn-on bias", _TURN_ON, _REPEATABILITY,
         "navigation 0.025, tactical 1, MEMS 2 to 30 mg",
+        "accelerometer turn-on bias",
     )  # fmt: skip
     bias_instability = _error(
         "acceleration", "mg", "abi", 1000 * MILLI_G, "Bias instability", _INSTABILITY, _IN_RUN,
         "navigation 0.01, tactical 0.05, MEMS 0.003 to 0.1 mg",
+        "accelerometer bias instability",
     )  # fmt: skip
     correlation_time = _correlation_time("abt")
     rate_random_walk = _error(
         "acceleration random walk", "µg/√h", "awk", 10 * MILLI_G, "Acceleration random walk", _WALK,
         "Seldom on data sheets: the right end of the Allan plot.", "MEMS 10 to 100 µg/√h",
+        "accelerometer bias random walk",
     )  # fmt: skip
     scale_factor = _error(
         "ratio", "ppm", "asf", 0.1, "Scale factor error", _SCALE, '"Scale factor error" or "repeatability".',
@@ -124,6 +141,7 @@ class Accelerometer(Part):
     misalignment = _error(
         "angle", "mrad", "ami", 0.1, "Misalignment", _MISALIGNMENT, '"Axis misalignment" or "orthogonality".',
         "navigation 0.05, tactical 0.3, MEMS 1 mrad",
+        "accelerometer misalignment",
     )  # fmt: skip
     quantization = _error(
         "speed", "mm/s", "aqu", 10.0, "Quantization", "Size of one count of the integrated velocity.",

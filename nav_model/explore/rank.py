@@ -102,8 +102,8 @@ def silent(design: Design) -> tuple[str, ...]:
 
 
 def stated(design: Design) -> list[str]:
-    """Numeric inputs that the design states and uses: optional ones only when given."""
-    return [key for key in VARIABLES if design.uses(key)]
+    """Numeric inputs that the design states and uses: optional ones, and those of optional sections, when given."""
+    return [key for key in VARIABLES if design.uses(key) and getattr(design, key.partition(".")[0]).given()]
 
 
 def log_derivatives(

@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from nav_model.analytic import doubling
-from nav_model.analytic.doubling import Counts, Powers, Segment, carried, drift, settled, take, updated
+from nav_model.analytic.channel import Biases, Noise, drift
+from nav_model.analytic.doubling import Counts, Powers, Segment, carried, settled, take, updated
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.processing import stretch
 from nav_model.processing.stretch import Stretch
@@ -28,7 +29,8 @@ class Channel:
     [m/s²/√s], None for the vertical. ``fix`` and ``interval`` are one position fix, 1σ [m], and the time between two
     [s]; ``velocity`` and ``velocity_interval`` the same for velocity [m/s], [s], None without it. ``slow`` and
     ``slow_time`` are the slow error of the position fixes, 1σ [m], and its correlation time [s], None without it.
-    ``gradient`` is the decrease of gravity with height [1/s²], of the vertical channel alone.
+    ``gradient`` is the decrease of gravity with height [1/s²], of the vertical channel alone. The rest is
+    `nav_model.analytic.channel.Biases`, None where none varies.
     """
 
     accelerometer: Array
@@ -40,6 +42,12 @@ class Channel:
     slow: Array | None = None
     slow_time: Array | None = None
     gradient: Array | None = None
+    markov: Array | None = None
+    markov_time: Array | None = None
+    jerk: Array | None = None
+    jerk_time: Array | None = None
+    walk: Array | None = None
+    jerk_walk: Array | None = None
 
 
 class Axis(NamedTuple):
@@ -54,7 +62,7 @@ class Axis(NamedTuple):
     parts: Counts
     dense: Array
     sparse: Array
-    noise: tuple[Array, Array, tuple[Array, Array] | None, Array]  # as `drift` takes them, and the gradient
+    noise: Noise
 
 
 def values_of(channel: Channel) -> dict[str, Array]:
@@ -74,17 +82,18 @@ def axis_of(x: Mapping[str, Array]) -> Axis:
     short, long = np.where(position_is_dense, interval, other), np.where(position_is_dense, other, interval)
     parts = np.rint((long / short).real).astype(np.int64)
     step, length = long / parts, x["fix"]
-    slow = None
-    if "slow" in x:
-        slow = (x["slow"] / length) ** 2, x["slow_time"] / step
-    size = 3 if slow is None else 4
-    # Densities [m²/s³] and [m²/s⁵] where the step is the unit of time and the noise of a fix that of length.
-    noise = (
+    # The step is the unit of time and the noise of a fix that of length.
+    noise = Noise(
         (x["accelerometer"] / length) ** 2 * step**3,
         (x["gyro"] / length) ** 2 * step**5,
-        slow,
         x["gradient"] * step**2,
+        ((x["slow"] / length) ** 2, x["slow_time"] / step) if "slow" in x else None,
     )
+    if "markov" in x:
+        units = length / step**2, step, length / step**3, step, length / step**2.5, length / step**3.5
+        in_units = (x[name] / unit for name, unit in zip(Biases._fields, units, strict=True))
+        noise = noise._replace(biases=Biases(*in_units))
+    size = noise.size
     position, velocity = np.zeros((2, len(step), size, size), np.result_type(*x.values()))
     position[:, 0, 0] = 1
     if "velocity" in x:
@@ -116,7 +125,7 @@ class DoubledFlight:
         # Designs with the same noise and fixes, such as those of a map that differ in the radar, share their units.
         inputs = np.stack([x[name] for name in Channel.__dataclass_fields__ if name in x])
         _, first, self._which = np.unique(inputs, axis=1, return_index=True, return_inverse=True)
-        step = stretch.measured(stretch.free(np.ones_like(axis.step), *axis.noise), axis.dense)
+        step = stretch.measured(stretch.free(np.ones_like(axis.step), axis.noise), axis.dense)
         self.step_stretch, self.step = self.period_stretch, self.period = self._powers(take(step, first))
         if np.any(axis.parts > 1):
             period = stretch.measured(self.step_stretch.prepend(axis.parts - 1, step), axis.sparse)
@@ -133,7 +142,7 @@ class DoubledFlight:
             # Of the fixes since the last time that both kinds shared, those within the gap are missing; a gap longer
             # than that begins where both kinds come.
             count = np.maximum(axis.parts - np.maximum(_first(np.minimum(gap.real, axis.parts)), 1), 0)
-            without_fixes = drift(np.where(gap.real > axis.parts, gap, axis.parts) - count, *axis.noise)
+            without_fixes = drift(np.where(gap.real > axis.parts, gap, axis.parts) - count, axis.noise)
             covariance = carried(covariance, self.step.prepend(count, without_fixes))
             covariance = updated(covariance, axis.dense + axis.sparse)
         return covariance
@@ -142,14 +151,14 @@ class DoubledFlight:
         """From time 0, without the fixes there, to a time [steps] that may be at a fix, without it."""
         fixes = _first(end) - 1
         # Whole periods, then whole steps, then the time after the last fix.
-        tail = stretch.free(end - fixes, *self.axis.noise)
+        tail = stretch.free(end - fixes, self.axis.noise)
         tail = self.step_stretch.prepend(fixes % self.axis.parts, tail)
         return self.period_stretch.prepend(fixes // self.axis.parts, tail)
 
     def segment_to(self, end: Array) -> Segment:
         """The segment of `stretch_to`, at less cost."""
         fixes = _first(end) - 1
-        tail = self.step.prepend(fixes % self.axis.parts, drift(end - fixes, *self.axis.noise))
+        tail = self.step.prepend(fixes % self.axis.parts, drift(end - fixes, self.axis.noise))
         return self.period.prepend(fixes // self.axis.parts, tail)
 
     def information_after(self, time: Array, until: Array, end: Array | None = None) -> Array:
@@ -166,7 +175,7 @@ class DoubledFlight:
         after_shared = np.where(has_shared, count - to_shared, 0)
         # From the last fix back to the first: `tail` is the flight after a moment, and grows at its front. It begins
         # with no time and the information from elsewhere; then come the steps after the last shared fix.
-        tail = drift(0 * time, *axis.noise)
+        tail = drift(0 * time, axis.noise)
         if end is not None:
             tail = tail._replace(info=tail.info + end)
         tail = self.step.prepend(after_shared % axis.parts, tail)
@@ -177,7 +186,7 @@ class DoubledFlight:
         tail = self.step.prepend(np.where(has_shared, to_shared, np.maximum(count, 0)), tail)
         # The dense part of the first fix: no step begins with it. Then back from it to the time itself.
         info = tail.info + axis.dense * (count >= 0)[:, None, None]
-        return doubling.measured(drift(first - time, *axis.noise), info).info
+        return doubling.measured(drift(first - time, axis.noise), info).info
 
 
 def _first(time: Array) -> Counts:

@@ -15,11 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from nav_model.analytic.doubling import carried, updated, without_slow_error
+from nav_model.analytic.channel import tilt_variance
+from nav_model.analytic.doubling import Counts, carried, updated, without_slow_error
+from nav_model.analytic.taylor import ORDERS
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.processing import stretch
 from nav_model.processing.flight import Channel, DoubledFlight, values_of
-from nav_model.processing.stretch import ORDERS
+from nav_model.processing.stretch import Stretch
 
 COLUMNS = (
     "quadratic", "cubic", "left_1", "left_2", "left_3", "slope", "turned", "curved", "with_curved", "mean",
@@ -34,7 +36,7 @@ QUADRATICS = np.array([[0, 0, 3 / 2, 0, 0, 0], [0, 1, 0, 9 / 14, 0, 0], [1, 0, 1
 CUBICS = np.array([[0, 0, 0, 5 / 2, 0, 0], [0, 0, 3 / 2, 0, 10 / 9, 0], [0, 1, 0, 23 / 18, 0, 50 / 99]])
 """Quadratics, and cubics, by the Legendre coefficients of orders 0 to 5, of the error, of its turn, and of the square
 of its turn, (3, 6)."""
-_AT_ONCE = 1024  # designs, so that their matrices stay in the cache
+_AT_ONCE = 1024  # designs
 
 
 def smoothed_error(
@@ -76,20 +78,28 @@ def smoothed_error(
     return [{name: error[name][n] for name in names} for n in range(len(channels))]
 
 
+def rows_of(channels: Sequence[Channel], **times: Array) -> tuple[dict[str, Array], tuple[int, ...]]:
+    """Inputs and times of channels by name, a row for each channel of each design; and the shape of the rows."""
+    many = [values_of(channel) | times for channel in channels]
+    shape = np.broadcast_shapes(*(value.shape for values in many for value in values.values()))
+    names = many[0]
+    rows = {name: np.concatenate([np.broadcast_to(values[name], shape).ravel() for values in many]) for name in names}
+    return rows, (len(many), *shape)
+
+
+def batches_of(count: int) -> list[Counts]:
+    """Rows to work on together, so that their matrices stay in the cache."""
+    return np.array_split(np.arange(count), max(1, -(-count // _AT_ONCE)))
+
+
 class SmoothedError:
     """As `smoothed_error`, column by column: ``error[name][n]`` is that of channel n. Those of the aperture are
     computed when one of them is first read, and so are those in its middle; both begin with the same filter."""
 
     def __init__(self, channels: Sequence[Channel], aperture: Array, after: Array, gap: Array) -> None:
-        times = {"aperture": as_numbers(aperture), "after": as_numbers(after), "gap": as_numbers(gap)}
-        many = [values_of(channel) | times for channel in channels]
-        shape = np.broadcast_shapes(*(value.shape for values in many for value in values.values()))
-        rows = {
-            name: np.concatenate([np.broadcast_to(values[name], shape).ravel() for values in many])
-            for name in many[0]
-        }
-        count, self._shape = len(rows["fix"]), (len(many), *shape)
-        batches = np.array_split(np.arange(count), max(1, -(-count // _AT_ONCE)))
+        times = as_numbers(aperture), as_numbers(after), as_numbers(gap)
+        rows, self._shape = rows_of(channels, aperture=times[0], after=times[1], gap=times[2])
+        batches = batches_of(len(rows["fix"]))
         self._batches = [_Batch({name: value[batch] for name, value in rows.items()}) for batch in batches]
 
     def __getitem__(self, name: str) -> Array:
@@ -122,18 +132,8 @@ class _Batch:
         flight, axis, aperture, after, start = self._flight, self._axis, self._aperture, self._after, self._start
         # The aperture with its fixes and those after it; given these, its coefficients are lines x0 + noise.
         whole = stretch.measured(flight.stretch_to(aperture), flight.information_after(aperture, aperture + after))
-        # P' = (1 + P Y)⁻¹ P, of the state at the aperture's start with every fix; then S + L P' Lᵀ.
-        p = updated(start, whole.info)
-        n = start.shape[-1]
-        lines = whole.lines[..., :n]
-        spread = whole.spread + lines @ p @ lines.mT
-        rest = whole.rest + np.einsum("nij,nij->n", p, whole.gram[:, :n, :n])
-        # From orthonormal polynomials to those of Legendre, and from the axis's units to metres.
-        root = np.sqrt(2 * np.arange(ORDERS) + 1)
-        square = axis.length**2
-        named = spread * (root[:, None] * root) * square[:, None, None]
-        left_3 = (spread[:, 4, 4] + spread[:, 5, 5] + rest) * square
-        return _of_the_aperture(named, left_3, self._seconds)
+        # P' = (1 + P Y)⁻¹ P, of the state at the aperture's start with every fix.
+        return of_the_aperture(whole, updated(start, whole.info), axis.length, self._seconds)
 
     def in_the_middle(self) -> dict[str, Array]:
         """The columns in the middle of the aperture, (rows)."""
@@ -142,21 +142,32 @@ class _Batch:
         forward = carried(start, flight.segment_to(middle))
         smoothed = updated(forward, flight.information_after(middle, self._aperture + self._after))
         variance = np.einsum("nii->ni", without_slow_error(smoothed))
+        variance[:, 2] = tilt_variance(smoothed, axis.noise)
         return {name: variance[:, n] * (axis.length / axis.step**n) ** 2 for n, name in enumerate(IN_THE_MIDDLE)}
 
 
-def _of_the_aperture(named: Array, left_3: Array, t: Array) -> dict[str, Array]:
-    """The columns that describe the whole aperture.
+def of_the_aperture(whole: Stretch, start: Array, length: Array, t: Array) -> dict[str, Array]:
+    """The columns that describe a whole aperture.
 
     Parameters
     ----------
-    named : array (rows, 6, 6)
-        Covariance of the Legendre coefficients of the position error, orders 0 to 5 [m²].
-    left_3 : array (rows)
-        Mean square of what the first four of these leave [m²].
+    whole : Stretch
+        The aperture, of (rows).
+    start : array (rows, n, n)
+        Covariance of the state at its start.
+    length : array (rows)
+        The stretch's unit of length [m].
     t : array (rows)
         Aperture [s].
     """
+    n = start.shape[-1]
+    lines = whole.lines[..., :n]
+    spread = whole.spread + lines @ start @ lines.mT
+    rest = whole.rest + np.einsum("nij,nij->n", start, whole.gram[:, :n, :n])
+    # From orthonormal polynomials to those of Legendre, and from the axis's units to metres.
+    root = np.sqrt(2 * np.arange(ORDERS) + 1)
+    named = spread * (root[:, None] * root) * (length**2)[:, None, None]
+    left_3 = (spread[:, 4, 4] + spread[:, 5, 5] + rest) * length**2
     of_turn, of_cubic = (rows @ named @ rows.T for rows in (QUADRATICS, CUBICS))
     quadratic, cubic = named[:, 2, 2] * 9 / 4, named[:, 3, 3] * 25 / 4
     left_2 = left_3 + cubic * (4 / 25 / 7)

@@ -20,17 +20,12 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import legendre
-from numpy.typing import ArrayLike
 
 from nav_model.analytic import doubling
-from nav_model.analytic.doubling import Segment, drift
+from nav_model.analytic.channel import Noise, system
+from nav_model.analytic.doubling import Segment
+from nav_model.analytic.taylor import ORDERS, TERMS, System, halvings, integrals, noise_at_end, segment, series
 from nav_model.base.arrays import Array
-
-ORDERS = 6
-"""Legendre orders of the position error that figures use: 0 to 5."""
-
-_MODES = 12  # of white noise: orders above add nothing to the first six of its second to sixth integral
 
 
 class Stretch(NamedTuple):
@@ -56,41 +51,40 @@ class Stretch(NamedTuple):
         return Segment(*self[:3])
 
 
-def free(
-    span: Array, accelerometer: Array, gyro: Array, slow: tuple[ArrayLike, ArrayLike] | None, gradient: Array
-) -> Stretch:
-    """A stretch without fixes.
+def free(span: Array, noise: Noise) -> Stretch:
+    """A stretch [s] without fixes, (rows,)."""
+    return along(system(noise), span, noise.position)
 
-    Along it gravity that decreases with height counts to the second power of the gradient, which leaves out 10⁻⁹
-    where fixes are a minute apart.
+
+def along(system: System, span: Array, position: Array) -> Stretch:
+    """A stretch of a linear system, whose ``position``, (n,), is a row of its states.
 
     Parameters
     ----------
+    system : System
+        Of (rows,).
     span : array (rows,)
         Seconds.
-    accelerometer, gyro, slow, gradient
-        As `nav_model.analytic.doubling.drift`, of (rows,).
+    position : array (n,)
     """
-    segment = drift(span, accelerometer, gyro, slow, gradient)
-    n, unit = segment.noise.shape[-1], _drift_of_one()
-    a, w = accelerometer * span**3, gyro * span**5
-    rising = (gradient * span**2)[:, None] ** np.arange(3)
-    # L: position, velocity and acceleration at the start move the position as 1, t and t²/2; with the gradient, the
-    # first two as the powers of cosh and sinh.
-    lines = np.zeros((len(span), ORDERS, 2 * n), segment.noise.dtype)
-    by_state = np.einsum("nk,kij->nij", rising, unit.state)
-    lines[:, :, :3] = by_state * np.stack([0 * span + 1, span, span**2], axis=-1)[:, None, :]
-    if n == 4:  # position is the first state less the slow error
-        lines[:, :, 3] = -lines[:, :, 0]
-    # C: position, velocity and acceleration at the end have powers of the span less than position along it.
-    powers = span[:, None] ** np.arange(5, 0, -1)
-    by_a, by_w = accelerometer[:, None] * powers[:, 2:], gyro[:, None] * powers[:, :3]
-    with_end, spread_a = (np.einsum("nk,kij->nij", rising, part) for part in (unit.with_end, unit.spread))
-    lines[:, :, n : n + 3] = with_end * by_a[:, None, :] + unit.gyro_with_end * by_w[:, None, :]
-    spread = spread_a * a[:, None, None] + unit.gyro_spread * w[:, None, None]
-    # The remainder depends neither on the first state nor on the last: these are polynomials in time.
-    gram = np.zeros((len(span), 2 * n, 2 * n), segment.noise.dtype)
-    return Stretch(*segment, span, lines, spread, gram, rising @ unit.rest * a + unit.gyro_rest * w)
+    count, table = halvings(system, span), integrals()
+    part = span / 2**count
+    terms = series(system, part)
+    n = terms.transition.shape[-1]
+    # L and C: the position by powers of time, and by the repeated integrals of each noise; so is the end's state.
+    by_state, by_noise = position @ terms.transition, position @ terms.noise
+    modes = np.moveaxis(np.tensordot(by_noise, table.lines, (1, 0)), 1, 2)  # (rows, orders, noises, modes)
+    ends = noise_at_end(terms)
+    with_end = _flat(modes[..., :TERMS]) @ _flat(ends).mT  # higher modes do not reach the end
+    lines = np.concatenate([np.tensordot(by_state, table.powers, (1, 0)).mT, with_end], axis=-1)
+    # The remainder of a short part depends neither on the first state nor on the last: both are polynomials of time.
+    rest = np.einsum("nkm,nkm->n", by_noise, table.rest @ by_noise)
+    gram = np.zeros((len(span), 2 * n, 2 * n), lines.dtype)
+    spread = _flat(modes) @ _flat(modes).mT
+    stretch = Stretch(*segment(terms), part, lines, spread, gram, rest)
+    for _ in range(count):
+        stretch = joined(stretch, stretch)
+    return stretch
 
 
 def measured(stretch: Stretch, info: Array) -> Stretch:
@@ -119,8 +113,8 @@ def joined(first: Stretch, second: Stretch) -> Stretch:
 
     Examples
     --------
-    >>> noise = np.array([1e-6]), np.array([1e-8]), None, np.array([0.0])
-    >>> one, two = free(np.array([1.0]), *noise), free(np.array([2.0]), *noise)
+    >>> noise = Noise(np.array([1e-6]), np.array([1e-8]), np.array([0.0]))
+    >>> one, two = free(np.array([1.0]), noise), free(np.array([2.0]), noise)
     >>> bool(np.allclose(joined(one, one).spread, two.spread, rtol=1e-12))
     True
     """
@@ -174,59 +168,14 @@ def _gram(first: Stretch, second: Stretch, share: Array) -> Array:
     return np.asarray(gram1 * share[:, 0, None, None] + gram2 * share[:, 1, None, None])
 
 
+def _flat(modes: Array) -> Array:
+    """The last two axes in one."""
+    return modes.reshape(*modes.shape[:-2], -1)
+
+
 def _trace(a: Array, b: Array) -> Array:
     """Trace of each row's product of two symmetric matrices, (rows)."""
     return np.asarray(np.einsum("nij,nij->n", a, b))
-
-
-class _Drift(NamedTuple):
-    """Position error along a time of one without fixes, in orthonormal polynomials of orders 0 to 5.
-
-    By powers 0, 1 and 2 of the gradient of gravity: ``state`` is that by the state at the start, (3, 6, 3); for the
-    accelerometer's noise ``spread`` is the covariance, (3, 6, 6), ``with_end`` that with the state at the end,
-    (3, 6, 3), and ``rest`` the mean square of what these orders leave, (3). The gyro's are without gradient.
-    """
-
-    state: Array
-    spread: Array
-    with_end: Array
-    rest: Array
-    gyro_spread: Array
-    gyro_with_end: Array
-    gyro_rest: float
-
-
-@cache
-def _drift_of_one() -> _Drift:
-    # White noise in orthonormal polynomials, a column each; its integrals, from the first to the sixth, in Legendre
-    # ones. Every Legendre polynomial is one at the end.
-    noise = np.eye(_MODES + 3)[:, :_MODES] * np.sqrt(2 * np.arange(_MODES) + 1)
-    norm = np.sqrt(2 * np.arange(ORDERS) + 1)[:, None]  # to orthonormal polynomials
-    integrals = [legendre.legint(noise, m, lbnd=-1, scl=0.5) for m in range(1, 7)]
-    lines, ends = [part[:ORDERS] / norm for part in integrals], [part.sum(axis=0) for part in integrals]
-    # Height is the second, fourth and sixth integral of the noise by powers of the gradient, velocity the one before
-    # each; a product of two is of the sum of their powers.
-    height = lines[1::2]
-    at_end = [np.stack([ends[m + 1], ends[m], np.zeros(_MODES)]) for m in (0, 2, 4)]
-    spread, with_end = np.zeros((3, ORDERS, ORDERS)), np.zeros((3, ORDERS, 3))
-    for i in range(3):
-        for j in range(3 - i):
-            spread[i + j] += height[i] @ height[j].T
-            with_end[i + j] += height[i] @ at_end[j].T
-    # The start moves the height by the powers of time over their factorials: 1, t, t²/2; with the gradient t²/2,
-    # t³/6, t⁴/24; with its square t⁴/24, t⁵/120.
-    _, back, _ = _powers()
-    by_power = back / np.array([math.factorial(power) for power in range(ORDERS)])[:, None]
-    state = np.zeros((3, ORDERS, 3))
-    state[0] = by_power[:3].T
-    state[1], state[2, :, :2] = by_power[2:5].T, by_power[4:6].T
-    # The mean squares over a unit of time less what the six orders have; the gyro's is the third integral.
-    thrice = np.stack([ends[2], ends[1], ends[0]])
-    gyro_spread = lines[2] @ lines[2].T
-    rest = np.array([1 / 12, 1 / 90, 1 / 1260]) - spread.trace(axis1=1, axis2=2)
-    return _Drift(
-        state, spread, with_end, rest, gyro_spread, lines[2] @ thrice.T, float(1 / 120 - gyro_spread.trace())
-    )
 
 
 @cache

@@ -13,6 +13,7 @@ from nav_model.budget.contributors import Contribution, Contributors
 from nav_model.budget.inputs import RECTIFICATION, Inputs, inputs_of
 from nav_model.budget.real_time import RealTime
 from nav_model.budget.smoothed import Smoothed
+from nav_model.budget.varying import VARYING
 from nav_model.budget.verdict import all_required, confidence_of, flight_required
 from nav_model.design import Design
 from nav_model.design.contributors import BOTH
@@ -196,7 +197,7 @@ def _besides(x: Inputs) -> Contributors:
     oscillator [P-8], and all else that the budget's phases have; and the user's own contributors."""
     in_figures = dict(x.contributors.in_figures)
     for source, variances in RealTime(x).phases.items():
-        if source in (*SOURCES, RECTIFICATION):  # along the flight
+        if source in (*SOURCES, RECTIFICATION, VARYING):  # along the flight
             continue
         alone = RealTime(x)
         alone.phases = {source: variances}

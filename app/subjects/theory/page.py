@@ -28,6 +28,7 @@ _FIELDS = {
     "analytic": "Navigation formulas",
     "aperture": "Radar",
     "sar": "Radar navigation strategies",
+    "budget": "Budget",
     "processing": "Processing",
     "simulation": "Simulator",
     "earth": "Gravity",

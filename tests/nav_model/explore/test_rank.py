@@ -46,6 +46,7 @@ def test_agrees_with_finite_differences_of_the_whole_analysis(data, designs):
 EVERYTHING = Design(
     {
         "imu.accelerometer_bias": 1e-3, "imu.gyro_bias": 1e-6,
+        **{key: 1e-6 for key in VARIABLES if key.startswith(("gyro.", "accelerometer.")) and quantity(key).source},
         "gnss.vertical_position_noise": 2.0, "gnss.velocity_noise": 0.1, "gnss.vertical_velocity_noise": 0.2,
         "gnss.velocity_interval": 0.5, "gnss.correlated": True, "gnss.vertical_correlated_noise": 2.0,
         "coast.before_aperture": 2.0,

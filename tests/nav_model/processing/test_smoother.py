@@ -10,6 +10,7 @@ import riccati
 import spectral
 from exact_sight import directions
 
+from nav_model.analytic.channel import Noise
 from nav_model.analytic.coast import horizontal_growth
 from nav_model.analytic.doubling import carried
 from nav_model.analytic.steady_state import horizontal
@@ -17,7 +18,8 @@ from nav_model.aperture.phase import phase_budget, total
 from nav_model.base.constants import MEAN_RADIUS
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.real_time import RealTime
-from nav_model.budget.smoothed import Smoothed, channels
+from nav_model.budget.smoothed import Smoothed
+from nav_model.budget.varying import channels
 from nav_model.design import Design
 from nav_model.processing import stretch
 from nav_model.processing.flight import Channel
@@ -191,12 +193,12 @@ def test_free_ins_is_the_closed_forms(compared):
     unit = np.array([1.0, 1.0, g])
     known = start.matrix() * np.outer(unit, unit)
     for aperture in (0.7, 5.4, 40.0):
-        noise = np.array([a**2]), np.array([(g * w) ** 2]), None, np.zeros(1)
-        piece = stretch.free(np.array([aperture / 7]), *noise)
+        noise = Noise(np.array([a**2]), np.array([(g * w) ** 2]), np.zeros(1))
+        piece = stretch.free(np.array([aperture / 7]), noise)
         pieces = piece
         for _ in range(6):
             pieces = stretch.joined(pieces, piece)
-        for free in (stretch.free(np.array([aperture]), *noise), pieces):
+        for free in (stretch.free(np.array([aperture]), noise), pieces):
             along = free.lines[0, :, :3]
             c = free.spread[0] + along @ known @ along.T  # orthonormal polynomials
             residuals = [np.trace(c[m:, m:]) + free.rest[0] for m in (2, 3, 4)]

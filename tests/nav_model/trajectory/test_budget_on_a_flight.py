@@ -107,6 +107,60 @@ def test_a_straight_line_has_the_figures_and_verdicts_of_the_budget(seed: int) -
     assert judged | others == {check.name for check in budget.verdict.checks}
 
 
+PARTED = {"tilt": 0.2, "vertical_position": 0.06}
+"""Part of a figure that a filter on the flight tells from a bias in ten minutes: the budget takes an instability of
+the tilt in full, and that of a height, under fixes of a metre, as of a filter that has run for ever."""
+
+
+def filled(seed: int) -> Design:
+    """A random design with every error of a data sheet.
+
+    The gyros' turn-on bias is at most 5 °/h: a vertical gyro's turns the heading, and the heading the Earth's rate
+    into a drift of the tilt, of which the budget has nothing.
+    """
+    draw = np.random.default_rng(1000 + seed)
+
+    def between(low: float, high: float) -> float:
+        return float(np.exp(draw.uniform(np.log(low), np.log(high))))
+
+    hour = math.radians(1.0) / 3600.0
+    walks = draw.random() < 0.5
+    return drawn(seed).replace(
+        {
+            "accelerometer.bias_instability": between(3e-5, 1e-2),
+            "accelerometer.correlation_time": between(100.0, 5000.0),
+            "accelerometer.turn_on_bias": (turn_on := between(1e-4, 1e-2)),
+            "accelerometer.misalignment": between(1e-5, 1e-3),
+            "accelerometer.scale_factor": 0.03 * turn_on,  # a third of it upright: the filter takes it for that bias
+            "accelerometer.rate_random_walk": walks * between(1e-8, 1e-6),
+            "gyro.bias_instability": between(0.02, 5.0) * hour,
+            "gyro.correlation_time": between(100.0, 5000.0),
+            "gyro.turn_on_bias": between(0.1, 5.0) * hour,
+            "gyro.misalignment": between(1e-5, 1e-3),
+            "gyro.scale_factor": between(1e-5, 1e-3),
+            "gyro.rate_random_walk": walks * between(1e-11, 1e-9),
+            "gyro.g_sensitivity": between(0.01, 1.0) * hour / 9.80665,
+            "coast.duration": LEG,  # from which rate random walk counts in tilt
+        }
+    )
+
+
+@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(n, marks=pytest.mark.slow) for n in range(4, 60))])
+def test_so_it_is_with_all_that_a_data_sheet_prints(seed: int) -> None:
+    design = filled(seed)
+    budget, mode = analyse(design), design.processing.mode
+    study = specification(design, trajectory="straight", duration=LEG, every=LEG / 2)
+    result = covariance(covariance_specification(design, study))
+    bounds = {(processing, kind): bound for processing, kinds, bound in REASONS.values() for kind in kinds}
+    for name in (name for name in IN_FLIGHT if name in of_kind("phase", "place", "steady")):
+        bound = bounds[mode, FIGURES[name].kind]
+        if mode == REAL_TIME and name in of_kind("phase", "place"):
+            bound += 1.0 - 1.0 / larger_start(inputs_of(design))
+        sigma, along = budget.figure(name).sigma, result.chosen.figures[name][1]
+        below = PARTED.get(name, bound)
+        assert (1.0 - below) * sigma <= along <= (1.0 + bound) * sigma or sigma == along == 0.0, name
+
+
 SLOW_ERRORS = [(0.5, 300.0), (2.0, 60.0), (1.0, 20.0)]  # m, s
 
 
