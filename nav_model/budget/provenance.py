@@ -10,14 +10,17 @@ from types import MappingProxyType
 
 from nav_model.base.constants import MEAN_RADIUS
 from nav_model.base.text.toml_text import shipped
-from nav_model.budget.inputs import CONSTANT_KEYS, VARYING_KEYS
+from nav_model.budget.inputs import CONSTANT_KEYS, VARYING_KEYS, inputs_of
 from nav_model.budget.navigation import steady_marks
 from nav_model.budget.result import Budget
+from nav_model.budget.smoothed import model_of
 from nav_model.design import Design
 from nav_model.design.parts import OUTDATED
 from nav_model.design.presets import entry_of
 from nav_model.design.processing import REAL_TIME
 
+_LEAST_ACCURACY = 0.1  # m: below, of carrier phase over a short base line, whose noise is white
+_SLOW = 60.0  # s, of multipath in flight
 _LOWEST, _HIGHEST = -500.0, 9000.0  # ground on Earth [m], from the Dead Sea's shore to the highest summit
 
 WIDE_SAWTOOTH = 0.5
@@ -126,6 +129,7 @@ def cautions(budget: Budget) -> tuple[str, ...]:
             "not included."
         )
     sentences += _of_quantization(budget)
+    sentences += _of_white_noise(design)
     sentences += _of_receiver_class(design)
     sentences += [f"{key} has no effect any more: {OUTDATED[key][1]}." for key in design.outdated]
     sentences += [sentence for holds, sentence in _STANDING if holds(design)]
@@ -143,6 +147,33 @@ def _of_quantization(budget: Budget) -> list[str]:
         )
         for count, figure in parts
         if count / math.sqrt(12) > _COUNTS * (sigma := budget.figure(figure).sigma)
+    ]
+
+
+def _of_white_noise(design: Design) -> list[str]:
+    """A caution where a receiver's accuracy seems to be taken for white noise, with the figure that it would have
+    were most of it slow."""
+    gnss, noise = design.gnss, design.gnss.position_noise
+    stated = gnss.preset is not None or gnss.correlated or "gnss.position_noise" in design.origins
+    if stated or noise <= _LEAST_ACCURACY:
+        return []
+    vertical = gnss.vertical_position_noise
+    slow = design.replace(
+        {
+            "gnss.correlated": True,
+            "gnss.correlated_noise": noise,
+            "gnss.vertical_correlated_noise": vertical,
+            "gnss.correlation_time": _SLOW,
+            "gnss.position_noise": noise / 10,
+            "gnss.vertical_position_noise": None if vertical is None else vertical / 10,
+        }
+    )
+    white, other = (float(model_of(inputs_of(each)).value("horizontal_position")) for each in (design, slow))
+    return [
+        f"Position noise of {noise:.3g} m counts as white, and fixes average it to {white:.3g} m of horizontal "
+        f"position. Most of a receiver's accuracy stays for minutes: with {noise:.3g} m slow over {_SLOW:g} s, and a "
+        f"tenth of it white, that is {other:.3g} m. Take a receiver class (gnss.preset), or give the slow error "
+        "(gnss.correlated)."
     ]
 
 

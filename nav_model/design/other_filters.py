@@ -1,7 +1,8 @@
 """A design's sensor noise in the files and parameters of other people's filters.
 
-The design's residual biases have no time scale. Where a filter asks how fast a bias moves, it is taken as a
-Gauss-Markov process of `CORRELATION_TIME`: a random walk of sigma·√(2/τ), as long as it is short of τ.
+A bias is the design's bias instability with its correlation time, else its residual bias, which has no time scale
+and takes `CORRELATION_TIME`. Where a filter asks how fast it moves, it is a random walk of sigma·√(2/τ), as long as
+that is short of τ, and of the rate random walk beside it.
 
 Sources, key by key:
 
@@ -23,6 +24,7 @@ from typing import NamedTuple
 from nav_model.base.constants import DEGREE, DEGREE_PER_HOUR
 from nav_model.base.errors import InputError
 from nav_model.design import Design
+from nav_model.design.parts import Accelerometer, Gyro
 
 CORRELATION_TIME = 3600.0
 """Of residual biases, s: assumed, since a design does not give it."""
@@ -34,11 +36,15 @@ _MGAL = 1e-5
 
 
 class _Noise(NamedTuple):
-    """Gyro or accelerometer in SI: density, bias, and the random walk of the bias."""
+    """Gyro or accelerometer in SI: density, bias, the random walk of the bias, its correlation time with a word where
+    that is assumed, and the scale factor."""
 
     density: float
     bias: float
     walk: float
+    time: float
+    assumed: str
+    scale: float
 
 
 def _real(value: float) -> str:
@@ -48,10 +54,24 @@ def _real(value: float) -> str:
 
 def _noises(design: Design) -> tuple[_Noise, _Noise]:
     """Gyro and accelerometer, vibration factor applied."""
-    imu, slow = design.imu, math.sqrt(2 / CORRELATION_TIME)
-    pairs = (imu.angle_random_walk, imu.gyro_bias), (imu.velocity_random_walk, imu.accelerometer_bias)
-    gyro, accelerometer = (_Noise(density * imu.vibration_factor, bias, bias * slow) for density, bias in pairs)
-    return gyro, accelerometer
+    imu = design.imu
+
+    def noise(density: float, residual: float, sensor: Gyro | Accelerometer) -> _Noise:
+        instability = sensor.bias_instability
+        bias, time = (instability, sensor.correlation_time) if instability else (residual, CORRELATION_TIME)
+        walk = math.hypot(bias * math.sqrt(2 / time), sensor.rate_random_walk)
+        assumed = "" if instability else "an assumed "
+        return _Noise(density * imu.vibration_factor, bias, walk, time, assumed, sensor.scale_factor)
+
+    return (
+        noise(imu.angle_random_walk, imu.gyro_bias, design.gyro),
+        noise(imu.velocity_random_walk, imu.accelerometer_bias, design.accelerometer),
+    )
+
+
+def _moving(noise: _Noise) -> str:
+    """Words on how the bias moves."""
+    return f"bias with {noise.assumed}correlation time of {noise.time / 3600:g} h"
 
 
 def _head(*noises: _Noise) -> str:
@@ -61,16 +81,16 @@ def _head(*noises: _Noise) -> str:
 
 def _kalibr(design: Design) -> str:
     gyro, accelerometer = _noises(design)
-    for key in ("imu.gyro_bias", "imu.accelerometer_bias"):
-        if design[key] == 0:
+    for key, noise in (("imu.gyro_bias", gyro), ("imu.accelerometer_bias", accelerometer)):
+        if noise.walk == 0:
             raise InputError(
-                key, "kalibr needs a random walk above zero, and this bias is zero. Enter the in-run bias."
+                key, "kalibr needs a random walk above zero, and this bias is zero. Enter it, or an instability."
             )
     return (
         f"{_HEAD}accelerometer_noise_density: {_real(accelerometer.density)}  # m/s^2/sqrt(Hz)\n"
-        f"accelerometer_random_walk: {_real(accelerometer.walk)}  # m/s^3/sqrt(Hz), {_ASSUMED}\n"
+        f"accelerometer_random_walk: {_real(accelerometer.walk)}  # m/s^3/sqrt(Hz), {_moving(accelerometer)}\n"
         f"gyroscope_noise_density: {_real(gyro.density)}  # rad/s/sqrt(Hz)\n"
-        f"gyroscope_random_walk: {_real(gyro.walk)}  # rad/s^2/sqrt(Hz), {_ASSUMED}\n"
+        f"gyroscope_random_walk: {_real(gyro.walk)}  # rad/s^2/sqrt(Hz), {_moving(gyro)}\n"
         f"rostopic: /imu0\nupdate_rate: {_real(design.imu.rate)}  # Hz\n"
     )
 
@@ -87,9 +107,9 @@ def _px4(design: Design) -> str:
     }
     # What the design does not say keeps PX4's own value.
     if accelerometer.bias:
-        values["EKF2_ACC_B_NOISE"] = accelerometer.walk / root, f"m/s^3, {_ASSUMED}"
+        values["EKF2_ACC_B_NOISE"] = accelerometer.walk / root, f"m/s^3, {_moving(accelerometer)}"
     if gyro.bias:
-        values["EKF2_GYR_B_NOISE"] = gyro.walk / root, f"rad/s^2, {_ASSUMED}"
+        values["EKF2_GYR_B_NOISE"] = gyro.walk / root, f"rad/s^2, {_moving(gyro)}"
     if gnss.velocity_noise is not None:
         values["EKF2_GPS_V_NOISE"] = gnss.velocity_noise, "m/s"
     vertical = ""
@@ -122,6 +142,7 @@ def _beyond(value: float, low: float, high: float) -> str:
 
 def _kf_gins(design: Design) -> str:
     gyro, accelerometer = _noises(design)
+    slower = max(gyro, accelerometer, key=lambda noise: (not noise.assumed, noise.time))  # it has one for both
 
     def three(value: float) -> str:
         return f"[{', '.join([_real(value)] * 3)}]"
@@ -133,8 +154,8 @@ def _kf_gins(design: Design) -> str:
         f"  vrw: {three(accelerometer.density * 60)}  # [m/s/sqrt(hr)]\n"
         f"  gbstd: {three(gyro.bias / DEGREE_PER_HOUR)}  # [deg/hr]\n"
         f"  abstd: {three(accelerometer.bias / _MGAL)}  # [mGal]\n"
-        f"  gsstd: {three(0.0)}  # [ppm], not in a design\n  asstd: {three(0.0)}  # [ppm], not in a design\n"
-        f"  corrtime: {CORRELATION_TIME / 3600:.1f}  # [hr], assumed\n"
+        f"  gsstd: {three(1e6 * gyro.scale)}  # [ppm]\n  asstd: {three(1e6 * accelerometer.scale)}  # [ppm]\n"
+        f"  corrtime: {slower.time / 3600:.12g}  # [hr]{', assumed' if slower.assumed else ''}\n"
     )
 
 
@@ -154,7 +175,8 @@ def _pyins(design: Design) -> str:
         sizes = axes(gnss.velocity_noise, gnss.vertical_velocity_noise)
         velocity = f"velocity_sd = {sizes}  # m/s, of measurements.NedVelocity\n"
     return (
-        f"{_head(gyro, accelerometer)}# SI; bias_walk: {_ASSUMED}; of fixes: north, east, down.\n"
+        f"{_head(gyro, accelerometer)}# SI; bias_walk: {_moving(gyro)}, {_moving(accelerometer)}; of fixes: north, "
+        "east, down.\n"
         f"import numpy as np\nfrom pyins import inertial_sensor\n\n"
         f"gyro_model = {model(gyro)}\naccel_model = {model(accelerometer)}\n"
         f"position_sd = {axes(gnss.position_noise, gnss.vertical_position_noise)}  # m, of measurements.Position\n"
@@ -163,7 +185,6 @@ def _pyins(design: Design) -> str:
 
 
 _HEAD = "# Sensor noise of a NavBudget design, 1 sigma per axis, vibration factor applied.\n"
-_ASSUMED = f"bias with an assumed correlation time of {CORRELATION_TIME / 3600:g} h"
 
 
 class OtherFilter(NamedTuple):

@@ -41,7 +41,18 @@ def filled(entry: Entry, baseline: float | None = None) -> tuple[dict[str, Value
 def preset_fill(
     section: str, name: str, baseline: float | None = None, *, sheet: bool = False
 ) -> tuple[dict[str, Value], dict[str, str]]:
-    """As `filled`, of the entry called `name`; with `sheet`, what else an inertial unit's sheet prints.
+    """As `filled`, of the entry called `name`.
+
+    Parameters
+    ----------
+    section : str
+        "imu", "gnss" or "radar".
+    name : str
+        Of the entry.
+    baseline : float, optional
+        Distance from the base station [m], for noise that grows with it.
+    sheet : bool, optional
+        True for what else an inertial unit's sheet prints, in the sections of its sensors.
 
     Raises
     ------

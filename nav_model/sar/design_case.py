@@ -12,9 +12,11 @@ from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget import smoothed as post_processed
 from nav_model.budget.fast import not_flown
-from nav_model.budget.inputs import Inputs, inputs_of
+from nav_model.budget.inputs import CONSTANT_KEYS, VARYING_KEYS, Inputs, inputs_of
 from nav_model.budget.real_time import RealTime
 from nav_model.design import Design
+from nav_model.design.declaration import in_sentence
+from nav_model.design.parts import quantity
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.sar.advice import candidates, strategy_in_use
 from nav_model.sar.axis_model import AxisModel
@@ -205,6 +207,14 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
             "all axes into phase [S-8]. Cells and widths are measured across the line of sight."
         )
     cautions += not_flown(design)
+    beside = [key for key in (*VARYING_KEYS, *CONSTANT_KEYS) if design[key] and not key.endswith("correlation_time")]
+    if beside:
+        names = sorted({in_sentence(quantity(key).label) for key in beside})
+        cautions.append(
+            "The strategies' errors are those of noise, residual biases and the slow GNSS error. What the sheet "
+            f"prints beside them ({', '.join(names)}) counts in the formulas [S-8] of {NAMES['2']} and {NAMES['9']} "
+            "alone."
+        )
     if design.contributors:
         cautions.append(
             "The design's contributors are in the detrended and the quadratic phase of formulas and runs. Parts of "

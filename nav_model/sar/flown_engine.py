@@ -23,7 +23,7 @@ from nav_model.design.parts import quantity
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.fast_engine import weight_of
 from nav_model.sar.strategies import NavigationHistories, StrategyErrors, Tuning, apply_strategies
-from nav_model.simulation.design_study import beyond_formulas, settling, specification
+from nav_model.simulation.design_study import beside_noise, settling, specification
 from nav_model.simulation.specification import HIGHEST_RATE, Aids, SimulationSpec
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def flight_of(design: Design, aperture_time: float, coast_time: float) -> Apertu
             f"give at most {format_bound(most, 'Hz', 'frequency', low=False)}, or use the error model",
         )
     start = round(count * interval * rate) / rate
-    others = {key: quantity(key).default for key in beyond_formulas(design)}  # no model of the strategies has these
+    others = {key: quantity(key).default for key in beside_noise(design)}  # no model of the strategies has these
     plain = design.replace({**others, "filter.states": 9, "filter.initial_yaw": design.filter.initial_yaw})
     aided = replace(
         specification(plain, trajectory="straight", runs=1, duration=length, every=1 / rate),

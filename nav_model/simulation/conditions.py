@@ -3,13 +3,14 @@
 import math
 
 from nav_model.budget.fast import not_flown
+from nav_model.budget.inputs import CONSTANT_KEYS, VARYING_KEYS
 from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
 from nav_model.design.parts import Trajectory, quantity
 from nav_model.design.trajectory import AIDING
 from nav_model.earth.wgs84 import normal_gravity
 from nav_model.simulation.departures import unmodelled
-from nav_model.simulation.design_study import beyond_formulas
+from nav_model.simulation.design_study import beside_noise
 from nav_model.simulation.specification import SimulationSpec
 
 
@@ -27,10 +28,17 @@ def conditions(design: Design, spec: SimulationSpec) -> tuple[str, ...]:
             f"The simulator uses WGS 84 normal gravity, {local:.5f} m/s² at the start of the flight; the "
             f"formulas use the design's {flight.gravity:.5f} m/s² ({100 * (flight.gravity / local - 1):+.2f} %)."
         )
-    more = {key: value for key, value in beyond_formulas(design).items() if not key.startswith("filter.")}
+    in_formulas = {*VARYING_KEYS, *CONSTANT_KEYS, "gyro.correlation_time", "accelerometer.correlation_time"}
+    beside = beside_noise(design)
+    more = {k: v for k, v in beside.items() if k not in in_formulas and not k.startswith("filter.")}
     if more:
         listed = ", ".join(f"{_named(key)} {quantity(key).show(value)}" for key, value in more.items())
         sentences.append(f"Simulated and not in the formulas: {listed}.")
+    if any(key in beside for key in CONSTANT_KEYS):
+        sentences.append(
+            "Constant errors of the sensors count in the formulas as they settle on a straight leg; in the runs they "
+            "turn with the aircraft."
+        )
     if spec.imu.accelerometer.residual_bias or spec.imu.gyro.residual_bias:
         sentences.append(
             "Residual biases, drawn for each run, act from the last fix on while no fix comes. The formulas include "
@@ -75,7 +83,7 @@ def _of_the_filter(design: Design, spec: SimulationSpec) -> list[str]:
             "the filter has one state for the sum, a random walk of the same drive 2σ²/τ: exact for times short "
             "against the correlation time, pessimistic for long ones. The filter of 21 states keeps the two apart."
         )
-    scales = {key: value for key, value in beyond_formulas(design).items() if key.endswith("noise_scale")}
+    scales = {key: value for key, value in beside_noise(design).items() if key.endswith("noise_scale")}
     if scales:
         listed = " and ".join(f"{_named(key)} {value:g}" for key, value in scales.items())
         sentences.append(f"The filter is mistuned on purpose: {listed}, applied to standard deviations.")

@@ -160,8 +160,8 @@ def _errors(sensor: Gyro | Accelerometer) -> dict[str, float]:
     return {name: getattr(sensor, name) for name in sensor.inputs()}
 
 
-def beyond_formulas(design: Design) -> dict[str, float]:
-    """Numbers that runs and flights take and the formulas do not, where they are given: key -> value, SI."""
+def beside_noise(design: Design) -> dict[str, float]:
+    """Numbers beside the noise of sensors and receiver that runs and flights take, where given: key -> value, SI."""
     keys = [f"{part.section}.{name}" for part in (Gyro, Accelerometer, Filter) for name in part.inputs()]
     keys += [f"gnss.lever_{way}" for way in ("forward", "right", "down")]
     numbers = [key for key in keys if key != "filter.states" and design.uses(key)]
@@ -350,6 +350,6 @@ def to_document(study: SimulationStudy) -> dict[str, Any]:
         for departure in study.departures
     ]
     document["conditions"] = list(study.conditions)
-    document["added"] = {key: quantity(key).show(value) for key, value in beyond_formulas(study.design).items()}
+    document["added"] = {key: quantity(key).show(value) for key, value in beside_noise(study.design).items()}
     document["design"] = study.design.name
     return document

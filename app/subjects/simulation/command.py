@@ -19,7 +19,7 @@ def add_to(commands: Any) -> None:
     )
     design_arguments(simulate, single=True)
     add = simulate.add_argument
-    add("--inputs", action="store_true", help="list the inputs that runs take and the formulas do not, and stop")
+    add("--inputs", action="store_true", help="list the inputs of sensors and filter beside noise, and stop")
     add("--runs", type=int, default=100, metavar="N", help="independent runs (default 100)")
     add("--seed", type=int, default=1, metavar="S", help="seed of every run (default 1)")
     flight_arguments(simulate, "wandering")

@@ -20,7 +20,7 @@ _PER_SAMPLE = 130  # bytes that a process takes for each sample of the instrumen
 
 
 def list_inputs() -> int:
-    """Print the inputs that runs take and the formulas do not, with default and help."""
+    """Print the inputs of sensors and filter beside noise, with default and help."""
     for part in (Gyro, Accelerometer, Filter):
         print(part.title)
         for name, declared in part.inputs().items():

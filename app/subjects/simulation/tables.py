@@ -7,7 +7,7 @@ from app.document.blocks import Answer, Block, Bullets, Row, TableBlock, Text, n
 from app.document.numbers import NONE, number
 from nav_model.design.parts import quantity
 from nav_model.simulation.departures import SMALL, Departure, cause_in_words
-from nav_model.simulation.design_study import SimulationStudy, beyond_formulas, moments
+from nav_model.simulation.design_study import SimulationStudy, beside_noise, moments
 from nav_model.simulation.result import STATES
 from nav_model.simulation.single_run import POSTERIOR
 
@@ -54,7 +54,7 @@ def conditions_list(study: SimulationStudy, _: str) -> Bullets:
 def run_table(study: SimulationStudy, key: str) -> TableBlock:
     """The parameters of the runs."""
     spec = study.result.spec
-    beyond = beyond_formulas(study.design)
+    beyond = beside_noise(study.design)
     outages = "; ".join(f"{start:g} to {stop:g} s" for start, stop in spec.outages) or "none"
     hours = number(spec.runs * spec.duration / 3600, given=True)
     rows = (

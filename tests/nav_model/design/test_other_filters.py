@@ -111,3 +111,22 @@ def test_pyins_runs_the_file() -> None:
 def test_every_filter_is_written() -> None:
     for name in FILTERS:
         assert noise_for(DESIGN, name).startswith("# Sensor noise of a NavBudget design")
+
+
+def test_an_instability_moves_with_its_own_correlation_time_beside_a_rate_random_walk() -> None:
+    """As kalibr and pyins take a bias: after a second, far below its correlation time of 100 s."""
+    varying = {
+        "gyro.bias_instability": 2 * DEGREE_PER_HOUR,
+        "gyro.correlation_time": 100.0,
+        "gyro.rate_random_walk": 1e-7,
+        "accelerometer.scale_factor": 3e-4,
+    }
+    design = DESIGN.replace(varying)
+    config = yaml.safe_load(noise_for(design, "kalibr"))
+    markov = 2 * DEGREE_PER_HOUR * math.sqrt(2 * (1 - math.exp(-1.0 / 100.0)))
+    assert config["gyroscope_random_walk"] == pytest.approx(math.hypot(markov, 1e-7), rel=0.01)
+    assert "bias with correlation time of 0.0277778 h" in noise_for(design, "kalibr")
+    gins = noise_for(design, "kf-gins")
+    assert "asstd: [3.000000000000e+02, 3.000000000000e+02, 3.000000000000e+02]  # [ppm]" in gins
+    assert re.search(r"gbstd: \[2\.0+e\+00", gins)
+    assert "corrtime: 0.0277777777778  # [hr]\n" in gins

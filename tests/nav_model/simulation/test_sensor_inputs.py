@@ -11,7 +11,7 @@ from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import from_query, split_link, to_query
 from nav_model.design.parts import Accelerometer, Filter, Gyro
 from nav_model.simulation.conditions import conditions
-from nav_model.simulation.design_study import beyond_formulas, specification
+from nav_model.simulation.design_study import beside_noise, specification
 
 DPH = math.radians(1) / 3600
 PAPER = Design({"flight.speed": 50.0})
@@ -69,7 +69,7 @@ def test_a_design_without_them_has_its_hash_and_its_file_of_before() -> None:
     assert plain.content_hash == PAPER.content_hash
     assert PAPER.content_hash.startswith("4c304d2074d0")
     assert "[gyro]" not in format_design(PAPER)
-    assert beyond_formulas(PAPER) == {}
+    assert beside_noise(PAPER) == {}
 
 
 @pytest.mark.parametrize(
@@ -115,7 +115,11 @@ def test_conditions_name_what_formulas_leave_out_and_what_the_filter_cannot_hold
         return " ".join(conditions(design, specification(design)))
 
     alone = words(gyro__bias_instability="25 °/h", gyro__correlation_time="1000 s")
-    assert "gyro bias instability 25 °/h, gyro correlation time 1000 s" in alone
+    assert "not in the formulas" not in alone
+    assert "not in the formulas: gyro quantization 1 arcsec, antenna forward 2 m" in words(
+        gyro__quantization="1 arcsec", gnss__lever_forward="2 m"
+    )
+    assert "turn with the aircraft" in words(gyro__turn_on_bias="1 °/h")
     assert "no state for" not in alone
     assert "one state for the sum" not in alone  # a Gauss-Markov bias alone is the filter's own model
     mixed = {"gyro__turn_on_bias": "1 °/h", "gyro__bias_instability": "25 °/h"}

@@ -83,10 +83,11 @@ def test_fifteen_states_and_a_flight_from_a_file(tmp_path, capsys) -> None:
 
 
 def test_what_is_added_to_the_design_is_flown_and_said(capsys) -> None:
-    added = ["gyro.bias_instability=300 °/h", "gyro.correlation_time=2 min", "imu.rate=50 Hz"]
+    added = ["gyro.bias_instability=300 °/h", "gyro.correlation_time=2 min", "gyro.quantization=1 arcsec"]
     document = reply(capsys, "simulate", MEMS, *SHORT, "--set", *added)
-    assert document["added"] == {"gyro.bias_instability": "300 °/h", "gyro.correlation_time": "120 s"}
-    assert any("gyro bias instability 300 °/h" in sentence for sentence in document["conditions"])
+    instability = {"gyro.bias_instability": "300 °/h", "gyro.correlation_time": "120 s"}
+    assert document["added"] == {**instability, "gyro.quantization": "1 arcsec"}
+    assert "Simulated and not in the formulas: gyro quantization 1 arcsec." in document["conditions"]
     assert main(["simulate", "--inputs"]) == 0
     listed = capsys.readouterr().out
     keys = [f"{part.section}.{name}" for part in (Gyro, Accelerometer, Filter) for name in part.inputs()]
