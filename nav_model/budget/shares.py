@@ -24,6 +24,20 @@ GNSS_VELOCITY = "GNSS velocity noise"
 _STEP = 1e-20
 _LOST = 0.01
 """Part of a variance by which the shares may miss it, beyond which its digits are lost to rounding."""
+_VARYING = {
+    "accelerometer bias instability": ("instability_a",),
+    "gyro bias instability": ("instability_w",),
+    "accelerometer bias random walk": ("walk_a",),
+    "gyro bias random walk": ("walk_w",),
+}
+_CONSTANT = {
+    "accelerometer turn-on bias": ("turn_on_a",),
+    "gyro turn-on bias": ("turn_on_w",),
+    "gyro scale factor": ("scale_w",),
+    "accelerometer misalignment": ("misalignment_a",),
+    "gyro misalignment": ("misalignment_w",),
+    "gyro g-sensitivity": ("g_sensitivity",),
+}
 _SIZES = {
     ACCELEROMETER_NOISE: ("sigma_a",),
     GYRO_NOISE: ("sigma_w",),
@@ -33,16 +47,8 @@ _SIZES = {
     ACCELEROMETER_BIAS: ("bias_a",),
     GYRO_BIAS: ("bias_w",),
     RECTIFICATION: ("rectified",),
-    "accelerometer bias instability": ("instability_a",),
-    "gyro bias instability": ("instability_w",),
-    "accelerometer bias random walk": ("walk_a",),
-    "gyro bias random walk": ("walk_w",),
-    "accelerometer turn-on bias": ("turn_on_a",),
-    "gyro turn-on bias": ("turn_on_w",),
-    "gyro scale factor": ("scale_w",),
-    "accelerometer misalignment": ("misalignment_a",),
-    "gyro misalignment": ("misalignment_w",),
-    "gyro g-sensitivity": ("g_sensitivity",),
+    **_VARYING,
+    **_CONSTANT,
 }
 """Source of error -> the fields of `Inputs` that are its size, where they have other names than its declaration."""
 
@@ -76,11 +82,11 @@ def sizes_of(declared: Mapping[str, str]) -> Mapping[str, tuple[str, ...]]:
 SIZES = sizes_of({key.partition(".")[2]: source for key in VARIABLES if (source := quantity(key).source)})
 """Source of error -> the inputs that are its size."""
 
-VARY = tuple(name for name, fields in _SIZES.items() if fields[0].startswith(("instability", "walk")))
-"""Sources that are biases which vary while the filter estimates them."""
-
-SEEN = (ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE, GNSS_VELOCITY, SLOW_GNSS, *VARY)
+SEEN = (ACCELEROMETER_NOISE, GYRO_NOISE, GNSS_NOISE, GNSS_VELOCITY, SLOW_GNSS, *_VARYING)
 """Sources that filter and smoother weigh; others reach figures beside them."""
+
+CONSTANT = tuple(_CONSTANT)
+"""Constant errors of the sensors, which a settled filter cancels or no fix shows."""
 
 
 class Stepped:

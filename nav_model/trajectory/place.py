@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 
 from nav_model.budget.inputs import RECTIFICATION, Inputs
 from nav_model.budget.real_time import RealTime, with_range_errors
-from nav_model.budget.shares import ACCELEROMETER_BIAS, GYRO_BIAS, SEEN, SIZES
+from nav_model.budget.shares import ACCELEROMETER_BIAS, CONSTANT, GYRO_BIAS, SEEN, SIZES
 from nav_model.design.figures import IN_FLIGHT, of_kind
 from nav_model.processing.geolocation import Shifts
 
 FloatArray = NDArray[np.float64]
 PLACES = tuple(name for name in of_kind("place") if name in IN_FLIGHT)
 """Figures of place that are known along a flight."""
-_FLOWN = (*SEEN, ACCELEROMETER_BIAS, GYRO_BIAS, RECTIFICATION)
+_FLOWN = (*SEEN, *CONSTANT, ACCELEROMETER_BIAS, GYRO_BIAS, RECTIFICATION)
 _CIRCULAR = ("ce90", "cep")  # of both axes on the ground
 
 
