@@ -10,18 +10,27 @@ from nav_model.design.parts import declaration_of, quantity
 
 _LONGEST = 5000  # characters; a whole table has one or two thousand
 _WALKS = ("imu.angle_random_walk", "imu.velocity_random_walk")
-_BIASES = ("imu.gyro_bias", "imu.accelerometer_bias")
+
+
+def _of_sensors(error: str) -> tuple[str, str]:
+    return f"gyro.{error}", f"accelerometer.{error}"
+
+
 # Words of a row's name -> the inputs that it may be, of which the value's unit decides.
 _NAMES = (
-    (re.compile(r"temperature|rate random|acceleration random", re.I), ()),
+    (re.compile(r"temperature", re.I), ()),
+    (re.compile(r"(?:rate|acceleration) random", re.I), _of_sensors("rate_random_walk")),
     (re.compile(r"random walk|\b[AV]RW\b|noise", re.I), _WALKS),
-    (re.compile(r"bias.*(?:instab|stab)|in.?run", re.I), _BIASES),
+    (re.compile(r"bias.*(?:repeatab|turn.?on)|turn.?on.*bias", re.I), _of_sensors("turn_on_bias")),
+    (re.compile(r"bias.*(?:instab|stab)|in.?run", re.I), _of_sensors("bias_instability")),
+    (re.compile(r"\bg.?sensitiv|linear acceleration", re.I), ("gyro.g_sensitivity",)),
     (re.compile(r"(?:output|sampl|update|data)\w*\s+(?:data\s+)?(?:rate|frequency)|\bODR\b", re.I), ("imu.rate",)),
 )
-_OTHER_BIAS = re.compile(r"repeatab|turn.?on|over\b.*\btemp", re.I)
+_OTHER_BIAS = re.compile(r"over\b.*\btemp", re.I)
+_TURN_ON = re.compile(r"turn.?on to turn.?on", re.I)  # behind the value of what is called a stability
 _START = r"(?:gyro\w*\s+|accel\w*\s+)?(?:ARW|VRW|angle|angular|velocity|bias|in.run|noise|output)\b"
 _BETWEEN = re.compile(rf"[;\n]|[,.]\s*(?=(?!typ|max|rms|one|per|each)[A-Za-z]{{2}})|\s+(?={_START})", re.I)
-_REMARK = re.compile(r"\s*(?:\([^()]*\)|\b(?:at|over|from)\s.*)$")
+_REMARK = re.compile(r"\s*(?:\([^()]*\)|\b(?:at|over|from|turn.?on)\s.*)$")
 _BARE_NUMBER = re.compile(r"(?<![\w(.,-])\d+(?:[.,]\d+)?(?![\w.,%σ-]|\s*(?:σ|sigma|%|°C))(?![^()]*\))")
 _ACCURACY = re.compile(r"\d[\d.]*\s*-?\s*(?:σ|sigma|%)|\b(?:peak|p-p|pk)", re.I)
 
@@ -39,9 +48,9 @@ class SheetValues(NamedTuple):
 def read_data_sheet(text: str) -> SheetValues:
     """Values of an IMU from the rows of its data sheet, each a name and a number with its unit.
 
-    "Angle random walk 0.15 °/√h, bias instability 0.5 °/h": rows stand on lines of their own or behind commas. A bias
-    instability is the residual bias until the user knows better. Nothing is guessed: a second value of an input, a
-    name that is not known and a value that cannot be read are in `rest`.
+    "Angle random walk 0.15 °/√h, bias instability 0.5 °/h": rows stand on lines of their own or behind commas.
+    Nothing is guessed: a second value of an input, a name that is not known and a value that cannot be read are in
+    `rest`.
 
     Raises InputError for a text longer than a data sheet's table.
     """
@@ -78,7 +87,8 @@ def _value_of(row: str) -> tuple[str, Parsed | None, str]:
     reason = ""
     for number in re.finditer(r"[-+±<≤~]?\s*\d[\d.,]*(?:e[-+]?\d+)?", row):
         name, text = row[: number.start()], row[number.start() :]
-        keys = next((inputs for words, inputs in _NAMES if words.search(name) and not _OTHER_BIAS.search(row)), ())
+        named = f"{name} turn-on" if _TURN_ON.search(row) else name
+        keys = next((inputs for words, inputs in _NAMES if words.search(named) and not _OTHER_BIAS.search(row)), ())
         if keys and _BARE_NUMBER.search(name):  # the columns of least, typical and largest
             return "", None, "several numbers. Keep the one that holds"
         remark = _REMARK.search(text)

@@ -91,6 +91,4 @@ def _of_the_filter(design: Design, spec: SimulationSpec) -> list[str]:
 
 
 def _named(key: str) -> str:
-    section = key.partition(".")[0]
-    label = in_sentence(quantity(key).label)
-    return label if section in ("gnss", "filter") else f"{section} {label}"
+    return in_sentence(quantity(key).label)

@@ -10,7 +10,7 @@ from nav_model.design.data_sheet import read_data_sheet
 
 _DEGREE_PER_HOUR = math.radians(1) / 3600
 _ARW, _VRW = "imu.angle_random_walk", "imu.velocity_random_walk"
-_BG, _BA = "imu.gyro_bias", "imu.accelerometer_bias"
+_BG, _BA = "gyro.bias_instability", "accelerometer.bias_instability"
 
 
 @pytest.mark.parametrize(
@@ -36,6 +36,11 @@ _BG, _BA = "imu.gyro_bias", "imu.accelerometer_bias"
         ),
         ("| ARW | 0.15 | °/√h |\n| VRW | 0.06 | m/s/√h |", {_ARW: math.radians(0.15) / 60, _VRW: 0.001}),
         ("Rate noise density 0.004 (°/sec)/√Hz rms", {_ARW: math.radians(0.004)}),
+        ("Bias repeatability 5 °/h\nAccelerometer bias repeatability 1.7 mg",
+         {"gyro.turn_on_bias": 5 * _DEGREE_PER_HOUR, "accelerometer.turn_on_bias": 1.7e-3 * 9.80665}),
+        ("Bias stability 10 °/h turn-on to turn-on", {"gyro.turn_on_bias": 10 * _DEGREE_PER_HOUR}),
+        ("Linear acceleration effect on bias 0.009 °/s/g\nRate random walk 6 °/h/√h",
+         {"gyro.g_sensitivity": math.radians(0.009) / 9.80665, "gyro.rate_random_walk": 0.1 * _DEGREE_PER_HOUR}),
         ("Angle random walk [°/√h]  0.15;  Noise: 3 mg rms @ 100 Hz BW",
          {_ARW: math.radians(0.15) / 60, _VRW: 0.3e-3 * 9.80665}),
     ],
@@ -54,10 +59,8 @@ def test_rows_are_filled_in_with_the_text_they_came_from(text, values):
     [
         ("Angle random walk 0.3 °/h", "Write °/√h or °/h/√Hz"),
         ("Bias instability 0.5 1.0 °/h", "several numbers"),
-        ("Bias repeatability 5 °/h", "not known"),
         ("Bias stability over temperature ±10 °/h", "not known"),
         ("Bias stability ±10 °/h over temperature", "not known"),
-        ("Bias stability 10 °/h turn-on to turn-on", "not known"),
         ("Scale factor error 100 ppm", "not known"),
         ("Range ±450 °/s", "not known"),
         ("Bias instability 0.5", "no unit"),

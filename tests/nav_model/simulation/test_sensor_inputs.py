@@ -77,10 +77,10 @@ def test_a_design_without_them_has_its_hash_and_its_file_of_before() -> None:
     [
         ("gyro.drift", "1 °/h", "unknown key; [gyro] has turn_on_bias"),
         ("gyro.bias_instability", "1 mg", "'mg' is not a unit of angular rate"),
-        ("gyro.bias_instability", "-1 °/h", "The bias instability must be at least 0 °/h"),
+        ("gyro.bias_instability", "-1 °/h", "The gyro bias instability must be at least 0 °/h"),
         ("gyro.g_sensitivity", "1 °/h", "is not a unit of rate per acceleration. Use °/h/g or °/s/g"),
-        ("gyro.correlation_time", "0 s", "The correlation time must be at least 0.001 s"),
-        ("accelerometer.scale_factor", "nan", "Enter the scale factor error, for example"),
+        ("gyro.correlation_time", "0 s", "The gyro correlation time must be at least 0.001 s"),
+        ("accelerometer.scale_factor", "nan", "Enter the accelerometer scale factor error, for example"),
         ("filter.process_noise_scale", "none", "is not a number"),
         ("filter.states", "10", "0, 9, 12, 15, 18, 21"),
     ],
