@@ -56,11 +56,17 @@ def _correlation_time(short: str, sensor: str) -> Any:
 
 _TURN_ON = (
     "Constant through a flight, 1σ per axis. The filter estimates it, unlike the residual bias, with its turns: on a "
-    "straight line an accelerometer's settles as a tilt of b/g."
+    "straight line an accelerometer's settles as a tilt of b/g, and the vertical gyro's turns the heading."
 )
-_INSTABILITY = "Bias that varies, 1σ per axis: a Gauss-Markov process, for which the printed value is taken as sigma."
-_WALK = "Density of the white noise that drives a bias which never settles."
-_SCALE = "1σ per axis, constant through a flight."
+_INSTABILITY = (
+    "Bias that varies, 1σ per axis: a Gauss-Markov process, for which the printed value is taken as sigma. The "
+    "filter estimates it; tilt takes an accelerometer's in full."
+)
+_WALK = (
+    "Density of the white noise that drives a bias which never settles. In the budget's tilt and heading it counts "
+    "from the start of the leg, for as long as coast.duration."
+)
+_SCALE = "1σ per axis, constant through a flight. On a straight leg only the vertical gyro's shows, in heading."
 _MISALIGNMENT = "1σ of each of the six small angles between the sensors' axes, constant through a flight."
 _IN_RUN = '"In-run bias instability" or "bias stability", the bottom of the Allan plot.'
 _REPEATABILITY = '"Bias repeatability" or "turn-on to turn-on".'
