@@ -7,6 +7,7 @@ gravity times the tilt, and the accelerometer's bias. Where a sensor's bias vari
 the accelerometer, and gravity times that of the gyro, a Gauss-Markov process and a random walk.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -65,9 +66,13 @@ class Noise(NamedTuple):
 
     def of(self, rows: Counts) -> Self:
         """Noise of some rows."""
-        white = self.accelerometer[rows], self.gyro[rows], self.gradient[rows]
-        slow = self.slow and (self.slow[0][rows], self.slow[1][rows])
-        return type(self)(*white, slow, self.biases and doubling.take(self.biases, rows))
+        return self.changed(lambda part: part[rows])
+
+    def changed(self, change: Callable[[Array], Array]) -> Self:
+        """Noise with every array changed."""
+        white = change(self.accelerometer), change(self.gyro), change(self.gradient)
+        slow = self.slow and (change(self.slow[0]), change(self.slow[1]))
+        return type(self)(*white, slow, self.biases and Biases(*map(change, self.biases)))
 
 
 def system(noise: Noise) -> System:

@@ -239,7 +239,12 @@ class Budget(Mapping[tuple[str, str], Composed]):
     @cached_property
     def models(self) -> Mapping[str, RealTime]:
         """Processing -> the formulas with the design's inputs."""
-        return FrozenMapping({REAL_TIME: RealTime(self.x), POST_PROCESSED: Smoothed(self.x)})
+        models = FrozenMapping({REAL_TIME: RealTime(self.x), POST_PROCESSED: Smoothed(self.x)})
+        if (stepped := self._stepped_models[REAL_TIME].varying) is not None:
+            varying = stepped.unstepped(self.x)
+            for model in models.values():
+                model.varying = varying
+        return models
 
     # Shares come from the same formulas with every source stepped, of the filter on average between fixes.
 

@@ -1,5 +1,7 @@
 """Biases that vary while the filter estimates them: in-run instability and rate random walk. [T-19] to [T-21]"""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -69,12 +71,24 @@ class VaryingBiases:
     """
 
     def __init__(self, x: Inputs, number: Callable[[Array], Any] = np.asarray) -> None:
-        # Real time takes velocity with each position fix.
+        self._x, self._number = x, number
+        self._later: dict[tuple[object, ...], Columns] = {}
+
+    @cached_property
+    def _error(self) -> FreeError:
+        x = self._x  # real time takes velocity with each position fix
         velocity, vertical = x.velocity_of_fix or (None, None)
         x = replace(x, velocity=velocity, velocity_vertical=vertical, velocity_interval=x.interval)
         constant = replace(x, **{name: 0 * getattr(x, name) for name in _SIZES})
-        self._x, self._number, self._error = x, number, FreeError([*channels(x), *channels(constant)])
-        self._later: dict[tuple[object, ...], Columns] = {}
+        return FreeError([*channels(x), *channels(constant)])
+
+    def unstepped(self, x: Inputs) -> VaryingBiases:
+        """Additions for the inputs whose sources are stepped here, but for the last design, with the same filter."""
+        other = VaryingBiases(x)
+        other._error = self._error.last()
+        other._at_fix = _last(self._at_fix[0]), _last(self._at_fix[1])
+        other.over_aperture = _last(self.over_aperture)
+        return other
 
     def _added(self, columns: Mapping[str, Array]) -> Columns:
         """Columns of the channels with them, less those without."""
@@ -119,3 +133,11 @@ class VaryingBiases:
         if key not in self._later:
             self._later[key] = self._added(self._error.later(now, gravity_gradient(self._x.g)))
         return self._later[key]
+
+
+def _last(columns: Columns) -> Columns:
+    """Columns of the last design alone, without its imaginary steps."""
+    return {
+        name: (np.asarray(level.flat[-1].real), np.asarray(upright.flat[-1].real))
+        for name, (level, upright) in columns.items()
+    }

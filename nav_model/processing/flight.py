@@ -4,15 +4,16 @@ Fixes come at whole steps from a fix of both kinds at time 0. Time is counted in
 position fix. Every design is a row. [T-8], [P-3]
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from nav_model.analytic import doubling
 from nav_model.analytic.channel import Biases, Noise, drift
-from nav_model.analytic.doubling import Counts, Powers, Segment, carried, settled, take, updated
+from nav_model.analytic.doubling import Counts, Powers, Rows, Segment, carried, settled, take, updated
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.processing import stretch
 from nav_model.processing.stretch import Stretch
@@ -124,16 +125,33 @@ class DoubledFlight:
         self.axis = axis = axis_of(x)
         # Designs with the same noise and fixes, such as those of a map that differ in the radar, share their units.
         inputs = np.stack([x[name] for name in Channel.__dataclass_fields__ if name in x])
-        _, first, self._which = np.unique(inputs, axis=1, return_index=True, return_inverse=True)
-        step = stretch.measured(stretch.free(np.ones_like(axis.step), axis.noise), axis.dense)
-        self.step_stretch, self.step = self.period_stretch, self.period = self._powers(take(step, first))
-        if np.any(axis.parts > 1):
-            period = stretch.measured(self.step_stretch.prepend(axis.parts - 1, step), axis.sparse)
-            self.period_stretch, self.period = self._powers(take(period, first))
+        _, self._first, self._which = np.unique(inputs, axis=1, return_index=True, return_inverse=True)
+        self._seldom = bool(np.any(axis.parts > 1))
+        step = doubling.measured(drift(np.ones_like(axis.step), axis.noise), axis.dense)
+        self.step = self.period = self._powers(step, doubling.joined)
+        if self._seldom:
+            period = doubling.measured(self.step.prepend(axis.parts - 1, step), axis.sparse)
+            self.period = self._powers(period, doubling.joined)
 
-    def _powers(self, unit: Stretch) -> tuple[Powers[Stretch], Powers[Segment]]:
-        stretches = Powers(unit, stretch.joined, self._which)
-        return stretches, Powers(unit.segment, doubling.joined, self._which)
+    @cached_property
+    def step_stretch(self) -> Powers[Stretch]:
+        """Steps as stretches."""
+        return self._powers(self._step_stretch, stretch.joined)
+
+    @cached_property
+    def period_stretch(self) -> Powers[Stretch]:
+        """Periods as stretches."""
+        if not self._seldom:
+            return self.step_stretch
+        period = self.step_stretch.prepend(self.axis.parts - 1, self._step_stretch)
+        return self._powers(stretch.measured(period, self.axis.sparse), stretch.joined)
+
+    @cached_property
+    def _step_stretch(self) -> Stretch:
+        return stretch.measured(stretch.free(np.ones_like(self.axis.step), self.axis.noise), self.axis.dense)
+
+    def _powers(self, unit: Rows, joined: Callable[[Rows, Rows], Rows]) -> Powers[Rows]:
+        return Powers(take(unit, self._first), joined, self._which)
 
     def start(self, gap: Array) -> Array:
         """Covariance P [(rows, n, n)] just after the fixes at time 0, without those of a gap [steps] before it."""
@@ -175,9 +193,8 @@ class DoubledFlight:
         after_shared = np.where(has_shared, count - to_shared, 0)
         # From the last fix back to the first: `tail` is the flight after a moment, and grows at its front. It begins
         # with no time and the information from elsewhere; then come the steps after the last shared fix.
-        tail = drift(0 * time, axis.noise)
-        if end is not None:
-            tail = tail._replace(info=tail.info + end)
+        nothing = np.zeros((len(time), axis.noise.size, axis.noise.size))
+        tail = Segment(nothing if end is None else end, nothing + np.eye(axis.noise.size), nothing)
         tail = self.step.prepend(after_shared % axis.parts, tail)
         # Whole periods, between shared fixes; then the sparse part of the first of these: no period begins with it.
         tail = self.period.prepend(after_shared // axis.parts, tail)

@@ -6,6 +6,8 @@ variance with them and without.
 """
 
 from collections.abc import Mapping, Sequence
+from copy import copy
+from typing import Self
 
 import numpy as np
 
@@ -32,6 +34,15 @@ class FreeError:
         batches = batches_of(len(axis.step))
         flights = [DoubledFlight({name: part[batch] for name, part in rows.items()}) for batch in batches]
         self._start = np.concatenate([flight.start(0 * flight.axis.step) for flight in flights])
+
+    def last(self) -> Self:
+        """Error of the last design alone, without its imaginary steps."""
+        other, which = copy(self), np.arange(len(self._start)).reshape(self._shape[0], -1)[:, -1]
+        other._shape, other._noise = self._shape[:1], self._noise.changed(lambda part: part[which].real)
+        other._start, other._length, other._step = (
+            part[which].real for part in (self._start, self._length, self._step)
+        )
+        return other
 
     def _at(self, *numbers: Array) -> tuple[Counts, list[Array], tuple[int, ...]]:
         """Row of each result, the numbers that it depends on besides, and the shape of the results."""
