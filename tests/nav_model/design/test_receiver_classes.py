@@ -129,7 +129,7 @@ def test_a_class_beyond_its_sheet_is_cautioned_by_name() -> None:
     (caution,) = of_class("gnss.preset=RTK", "gnss.baseline=100 km")
     assert "RTK holds for a base station up to 30 km away; that of the design is 100 km away" in caution
     late = ("gnss.preset=PPK", "processing.mode=post-processed")
-    for changes in (late, ("gnss.preset=RTK", "gnss.baseline=30 km"), ("gnss.preset=PPP",), ()):
+    for changes in (late, ("gnss.preset=RTK", "gnss.baseline=30 km"), ("gnss.preset=PPP",)):
         assert of_class(*changes) == []
 
 
