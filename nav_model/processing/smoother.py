@@ -191,4 +191,7 @@ def of_the_aperture(whole: Stretch, start: Array, length: Array, t: Array) -> di
         "cubic_with_curved": of_cubic[:, 0, 2],
         "cubic_turned_curved": of_cubic[:, 1, 2],
     }
+    # A mean square that rounding has made negative has no digits: such a design, of an array of them, has no number.
+    for name in ("left_1", "left_2", "left_3"):
+        columns[name] = np.where(columns[name].real < 0, np.nan, columns[name])
     return columns

@@ -21,7 +21,7 @@ def test_every_equation_cited_is_on_the_theory_page():
     cited = {mark for path in sources for mark in re.findall(r"\[([TSBP]-\d+)\]", path.read_text())}
     assert cited <= known
     assert known == {
-        *(f"T-{i}" for i in range(1, 19)),
+        *(f"T-{i}" for i in range(1, 23)),
         *(f"S-{i}" for i in range(1, 9)),
         *(f"P-{i}" for i in range(1, 17)),
         *(f"B-{i}" for i in range(1, 10)),
@@ -79,12 +79,24 @@ def test_a_kind_counts_as_independent_only_with_the_work_of_others_in_it():
         assert not re.search(r"\bour own\b|\bour design notes\b|\bproduct's\b", row.oracle), row
         path = ROOT / row.test.partition(":")[0]
         source = path.read_text()
-        oracles = [file for file in SUPPORT.glob("*.py") if re.search(rf"^import {file.stem}$", source, re.MULTILINE)]
-        nearby = (path.parent / "conftest.py", *oracles)
-        text = source + "".join(file.read_text() for file in nearby if file.exists())
+        conftest = path.parent / "conftest.py"
+        text = source + (conftest.read_text() if conftest.exists() else "") + _of_support(source)
         for library in ("SciPy", "mpmath", "pyins"):
             if library in row.oracle:
                 assert re.search(rf"^\s*(import|from) {library.lower()}", text, re.MULTILINE), row
+
+
+def _of_support(source):
+    """The files of tests/support that a test imports, and those that these import."""
+    texts = {}
+    while new := {
+        file
+        for file in SUPPORT.glob("*.py")
+        if file not in texts
+        and re.search(rf"^(?:import|from) {file.stem}\b", source + "".join(texts.values()), re.MULTILINE)
+    }:
+        texts |= {file: file.read_text() for file in new}
+    return "".join(texts.values())
 
 
 def test_the_same_result_is_not_listed_twice():
