@@ -9,7 +9,7 @@ CONFTEST = str(Path(__file__).with_name("conftest.py"))
 
 @pytest.mark.parametrize(
     ("measured", "long"),
-    [({}, False), ({"shared": 0.4}, False), ({"test_a_shared_fixture_counts": 0.2, "shared": 0.4}, True)],
+    [({}, False), ({"shared": 0.2}, False), ({"test_a_shared_fixture_counts": 0.1, "shared": 0.2}, True)],
 )
 def test_a_shared_fixture_counts(request, monkeypatch, measured, long):
     conftest = request.config.pluginmanager.get_plugin(CONFTEST)

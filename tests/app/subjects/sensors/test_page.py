@@ -207,7 +207,7 @@ def test_rows_of_a_data_sheet_are_filled_in(sensors: SensorsPage):
     box.rows.value = "Angle random walk 0.15 °/√h, bias instability (3σ) 0.3 °/h; <b>scale</b> factor 100 ppm"
     box.fill.clicks += 1
     assert session.design.imu.angle_random_walk == pytest.approx(math.radians(0.15) / 60)
-    assert session.design.imu.gyro_bias == pytest.approx(math.radians(0.1) / 3600)
+    assert session.design.gyro.bias_instability == pytest.approx(math.radians(0.1) / 3600)
     assert session.design.origins["imu.angle_random_walk"] == "data sheet: Angle random walk 0.15 °/√h"
     text = " ".join(unescape(re.sub("<[^>]+>", " ", box.answer.object)).split())
     assert "0.3 °/h 3σ 0.1 °/h bias instability (3σ) 0.3 °/h" in text
