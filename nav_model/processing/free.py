@@ -58,15 +58,15 @@ class FreeError:
     def at_fix(self) -> tuple[dict[str, Array], dict[str, Array]]:
         """Elements `AT_FIX` of the covariance just before a fix and just after it, and "tilt" [T-20]."""
         step = drift(np.ones_like(self._step), self._noise)
-        found = []
+        moments = []
         for p in (_carried(self._start, step), self._start):
             plain = without_slow_error(p)
             elements = {
                 name: plain[:, i, j] * self._length**2 / self._step ** (i + j) for name, (i, j) in AT_FIX.items()
             }
             elements["tilt"] = tilt_variance(p, self._noise) * self._length**2 / self._step**4
-            found.append({name: part.reshape(self._shape) for name, part in elements.items()})
-        return found[0], found[1]
+            moments.append({name: part.reshape(self._shape) for name, part in elements.items()})
+        return moments[0], moments[1]
 
     def over_aperture(self, coast: Array, aperture: Array) -> dict[str, Array]:
         """Columns of `nav_model.processing.smoother` of an aperture [s] that begins `coast` [s] after the fix."""
@@ -114,13 +114,13 @@ class FreeError:
             start[:, :n, :n] = self._start[rows]
             part = taylor.drift(_coupled(system(noise), gamma), after[batch] / step)
             p = _row(start, part, len(time)) if evenly else _carried(start, part)
-            own = p[..., :n, :n]
+            of_axis = p[..., :n, :n]
             parts.append(
                 {
-                    "position": without_slow_error(own)[..., 0, 0] * length**2,
+                    "position": without_slow_error(of_axis)[..., 0, 0] * length**2,
                     "velocity": p[..., 1, 1] * (length / step) ** 2,
                     "coupled": p[..., n, n] * (length * step) ** 2,
-                    "tilt": (_of_tilt(own) - _of_tilt(start[:, :n, :n])) * (length / step**2) ** 2,
+                    "tilt": (_of_tilt(of_axis) - _of_tilt(start[:, :n, :n])) * (length / step**2) ** 2,
                 }
             )
         if evenly:

@@ -61,15 +61,15 @@ def settled_start(study: SimulationSpec, states: States, start: TruthStates) -> 
     a, c, j = update @ step, update @ noise, step.T @ h.T @ inverse @ h @ step
     # Fixes show position, velocity, and the sum of tilt and bias as a horizontal acceleration. Tilt alone they do
     # not: in hours, the Earth's rotation would tell it from bias.
-    shown = np.eye(BIASES, m)
-    shown[ATTITUDE:_YAW] = (step - identity)[VELOCITY : VELOCITY + 2, :m]
+    observed = np.eye(BIASES, m)
+    observed[ATTITUDE:_YAW] = (step - identity)[VELOCITY : VELOCITY + 2, :m]
     before = np.full(BIASES, np.inf)
     for doublings in range(1, _MOST_DOUBLINGS + 1):
         through = a @ np.linalg.inv(identity + c @ j)
         a, c, j = through @ a, through @ c @ a.T + c, a.T @ j @ np.linalg.solve(identity + c @ j, a) + j
         settling = a[:m, :m] @ np.linalg.solve(np.eye(m) + unsettled @ j[:m, :m], unsettled)
         p = settling @ a[:m, :m].T + c[:m, :m]
-        now = ((shown @ p) * shown).sum(axis=1)
+        now = ((observed @ p) * observed).sum(axis=1)
         if doublings >= _LEAST_DOUBLINGS and np.all(np.abs(now - before) <= _SETTLED * now):
             break
         before = now

@@ -1,4 +1,4 @@
-"""What a data sheet prints beside noise, in every figure of a budget."""
+"""Errors that a data sheet prints beside noise, in every figure of a budget."""
 
 import math
 from dataclasses import replace

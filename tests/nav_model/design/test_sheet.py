@@ -45,10 +45,10 @@ def test_a_sheet_fills_what_it_prints_with_its_source_and_what_it_does_not_print
 
 
 def test_it_is_kept_in_files_and_links_and_a_given_value_stands_above_it() -> None:
-    own = parse_design(f'{STIM300}[gyro]\nbias_instability = "2 °/h"\n')
-    assert own.gyro.bias_instability == pytest.approx(2 * DEGREE_PER_HOUR)
-    assert "gyro.bias_instability" not in own.origins
-    for design in (parse_design(STIM300), own):
+    overridden = parse_design(f'{STIM300}[gyro]\nbias_instability = "2 °/h"\n')
+    assert overridden.gyro.bias_instability == pytest.approx(2 * DEGREE_PER_HOUR)
+    assert "gyro.bias_instability" not in overridden.origins
+    for design in (parse_design(STIM300), overridden):
         assert parse_design(format_design(design)) == design == from_query(to_query(design))
         assert parse_design(format_design(design)).origins == design.origins
     assert "gbi=" not in to_query(parse_design(STIM300)).split("origin.")[0]
