@@ -157,7 +157,7 @@ def _conditions(design: Design, unit: Unit) -> tuple[str, ...]:
             f"Lever arm to the IMU, error assumed: {text_of('trajectory.lever_arm_error')}. Latency of the fixes "
             f"against the IMU's clock, error assumed: {text_of('trajectory.time_offset')}. Both to be confirmed.",
         )
-    bandwidth = text_of("motion.imu_bandwidth") if design.motion.imu_bandwidth else "not stated"
+    bandwidth = text_of("imu.bandwidth") if design.imu.bandwidth else "not stated"
     return (
         f"At rest, white noise per axis. The design multiplies it by {design.imu.vibration_factor:g} in flight.",
         f"Bias that the filter does not absorb, assumed 1σ: {text_of('imu.accelerometer_bias')} and "

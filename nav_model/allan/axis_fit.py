@@ -3,7 +3,7 @@
 A clean log is fitted over its whole band with nothing removed. Where the five terms do not describe the log,
 the top of the band (anti-alias filter) and narrow lines (vibration) are set aside, and what departure remains
 enters every interval as a relative model error. A log that departs by more than `WORST_MODEL_ERROR` yields no
-coefficient at all.
+coefficient at all. Where the bandwidth of the sensor's low pass is known, only what it leaves as it was is fitted.
 """
 
 from dataclasses import dataclass
@@ -23,6 +23,13 @@ TOLERATED_MODEL_ERROR = 0.05
 # Standard scores of the goodness of fit; 4 refuses a true model about once in 10,000 logs.
 ADEQUATE_SCORE = 4.0
 
+# Of a low pass; below it one of the first order takes 0.3 % of the power on average, others less.
+PASSED_SHARE = 0.1
+
+_LEAST_COEFFICIENTS = 256
+_LEAST_OF_OCTAVE = 100
+_LEVEL = 0.15  # logarithm of power from octave to octave; less is level
+_STEEP = 0.2
 _BAND_HALVINGS = 3
 _ROUNDS = 4
 _PRECISE_COUNT = 50.0
@@ -39,6 +46,7 @@ class AxisFit:
 
     `clean` says that the whole band was used, nothing was left out and the goodness of fit is within
     ADEQUATE_SCORE; `model_error` is the relative standard deviation of power left over (0 when clean).
+    `falls_hz` is where a spectrum that is not clean falls to half as behind a low pass; None where it does not.
     """
 
     fit: SpectrumFit
@@ -47,22 +55,32 @@ class AxisFit:
     band_cut: bool
     lines_hz: tuple[float, ...]
     model_error: float
+    falls_hz: float | None = None
 
 
-def fit_axis(spectrum: CosineSpectrum) -> AxisFit:
-    """Fit the five terms to one axis, narrowing the band only when the log demands it."""
-    everything = np.ones(len(spectrum.power), dtype=np.bool_)
+def fit_axis(spectrum: CosineSpectrum, bandwidth_hz: float | None = None) -> AxisFit:
+    """Fit the five terms to one axis, narrowing the band only when the log demands it.
+
+    With the `bandwidth_hz` of a low pass inside the sensor (3 dB), the band ends at PASSED_SHARE of it.
+
+    Raises ValueError where the log is too short for that band.
+    """
     nyquist = 0.5 / spectrum.interval_s
+    top = min(nyquist, PASSED_SHARE * (bandwidth_hz or np.inf))
+    everything = spectrum.frequency_hz <= top
+    if top < nyquist and (held := float(spectrum.count[everything].sum())) < _LEAST_COEFFICIENTS:
+        needed = f"at least {_LEAST_COEFFICIENTS / (2.0 * top):.0f} s are needed for a fit"
+        raise ValueError(f"log has {held / (2.0 * top):.0f} s; with a bandwidth of {bandwidth_hz:g} Hz {needed}")
     model, residual = fitted_spectrum(spectrum, everything, 0.0)
-    clean = fit_score(spectrum.count, residual / model) < ADEQUATE_SCORE
-    chosen = _Selection(everything, 0.0, nyquist, model)
-    if not clean or np.any(_narrow_lines(spectrum, model)):
+    clean = fit_score(spectrum.count[everything], (residual / model)[everything]) < ADEQUATE_SCORE
+    chosen = _Selection(everything, 0.0, top, model)
+    if not clean or np.any(_narrow_lines(spectrum, model) & everything):
         clean = False
-        chosen = _select(spectrum, nyquist)
-        for halving in range(1, _BAND_HALVINGS + 1):
+        chosen = _select(spectrum, top)
+        for halving in range(1, _BAND_HALVINGS + 1 if top == nyquist else 1):
             if chosen.model_error <= TOLERATED_MODEL_ERROR:
                 break
-            candidate = _select(spectrum, nyquist / 2**halving)
+            candidate = _select(spectrum, top / 2**halving)
             if candidate.model_error < chosen.model_error:
                 chosen = candidate
     set_aside = (spectrum.frequency_hz <= chosen.band_hz) & ~chosen.used
@@ -73,7 +91,31 @@ def fit_axis(spectrum: CosineSpectrum) -> AxisFit:
         band_cut=chosen.band_hz < nyquist,
         lines_hz=_merge_lines(spectrum, set_aside, chosen.model),
         model_error=chosen.model_error,
+        falls_hz=None if clean or top < nyquist else _low_pass(spectrum),
     )
+
+
+def _low_pass(spectrum: CosineSpectrum) -> float | None:
+    """Frequency at which the power has fallen to half of the level below, where it falls to the top of the band as
+    behind a low pass; None where it does not.
+
+    Noise that falls with frequency ends in a level one; behind a low pass the level comes first and the fall lasts.
+    """
+    levels = []
+    high = 0.5 / spectrum.interval_s
+    while True:
+        octave = (spectrum.frequency_hz <= high) & (spectrum.frequency_hz > high / 2.0)
+        if (count := spectrum.count[octave].sum()) < _LEAST_OF_OCTAVE:
+            break
+        levels.append(float(spectrum.count[octave] @ np.log(spectrum.power[octave]) / count))
+        high /= 2.0
+    steps = -np.diff(levels)  # from an octave to the one above, from the top on
+    level = np.flatnonzero(np.abs(steps) < _LEVEL)
+    if not len(level) or not level[0] or steps[0] > -_STEEP or np.any(steps[: level[0]] > 0.0):
+        return None
+    half = levels[level[0]] - np.log(2.0)
+    above = np.flatnonzero(np.log(spectrum.power) > half)
+    return float(spectrum.frequency_hz[above[-1]]) if levels[0] < half else None
 
 
 def fit_score(count: Array, ratio: Array) -> float:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from nav_model.allan.axis_fit import WORST_MODEL_ERROR, AxisFit, fit_axis
+from nav_model.allan.axis_fit import PASSED_SHARE, WORST_MODEL_ERROR, AxisFit, fit_axis
 from nav_model.allan.deviation import NOISE_ALPHA, AllanDeviation, averaging_times, overlapping_allan_deviation
 from nav_model.allan.imu_log import AxisSignal, ImuLog
 from nav_model.allan.likelihood import Estimate
@@ -39,25 +39,28 @@ class _Missing:
     limit: float | None = None
 
 
-def analyse_log(log: ImuLog, progress: Callable[[float, str], None] | None = None) -> LogAnalysis:
+def analyse_log(
+    log: ImuLog, progress: Callable[[float, str], None] | None = None, bandwidth_hz: float | None = None
+) -> LogAnalysis:
     """Noise parameters of a static log, axis by axis.
 
-    `progress` receives a fraction and what is being done. Raises InputError under the log's name when it is empty,
-    ValueError when it is shorter than the fit needs. Method: likelihood.py for the coefficients, axis_fit.py for
-    real-log departures, deviation.py for curves.
+    `progress` receives a fraction and what is being done; `bandwidth_hz` is that of a low pass inside the sensor,
+    where there is one. Raises InputError under the log's name when it is empty, ValueError when it is shorter than
+    the fit needs. Method: likelihood.py for the coefficients, axis_fit.py for real-log departures, deviation.py for
+    curves.
     """
     axes = log.axes()
     results = []
     for index, axis in enumerate(axes):
         if progress is not None:
             progress(index / len(axes), axis.name)
-        results.append(_analyse_axis(axis, log.temperature_c))
+        results.append(_analyse_axis(axis, log.temperature_c, bandwidth_hz))
     if progress is not None:
         progress(1.0, "done")
     return LogAnalysis(tuple(results), LogSource.of(log), log_warnings(log))
 
 
-def _analyse_axis(axis: AxisSignal, temperature_c: Array | None) -> AxisNoise:
+def _analyse_axis(axis: AxisSignal, temperature_c: Array | None, bandwidth_hz: float | None) -> AxisNoise:
     signal = np.ascontiguousarray(axis.signal, dtype=np.float64)
     interval_s, breaks = 1.0 / axis.rate_hz, axis.breaks
     of_axis = partial(_axis_noise, axis._replace(signal=signal))
@@ -83,7 +86,7 @@ def _analyse_axis(axis: AxisSignal, temperature_c: Array | None) -> AxisNoise:
         reason = f"not resolved: {shape}; no sensor's noise does"
         warning = "repeats itself exactly: a stretch copied behind itself, or a made-up signal"
         return without_noise(_Missing(reason, "repeating"), warning)
-    fit = fit_axis(spectrum)
+    fit = fit_axis(spectrum, bandwidth_hz)
     squares = dict(zip(STOCHASTIC_TERMS, fit.fit.squares, strict=True))
     taus = averaging_times(int(axis.lengths.max()), interval_s)
     deviation = overlapping_allan_deviation(signal, interval_s, taus, _dominant_alpha(fit, taus), breaks=breaks)
@@ -95,7 +98,7 @@ def _analyse_axis(axis: AxisSignal, temperature_c: Array | None) -> AxisNoise:
     return of_axis(
         outcomes, deviation=deviation, white_floor=math.sqrt(squares["random_walk"].value), effective_at_1s=effective,
         band_hz=fit.band_hz, lines_hz=fit.lines_hz, model_error=fit.model_error,
-        warnings=_fit_warnings(fit, outcomes) + axis_warnings(signal, interval_s, temperature_c),
+        warnings=_fit_warnings(fit, outcomes, bandwidth_hz) + axis_warnings(signal, interval_s, temperature_c),
     )  # fmt: skip
 
 
@@ -131,6 +134,8 @@ def _coefficient(
 ) -> Coefficient | _Missing:
     """The coefficient, or the reason why the log does not show it."""
     if fit.model_error > WORST_MODEL_ERROR:
+        if fit.falls_hz is not None:
+            return _Missing(f"not resolved: {_falls(fit.falls_hz)}", "filtered")
         reason = f"the spectrum departs from the five noise terms by {100 * fit.model_error:.0f} % across the band"
         disturbed = "the log is disturbed (movement or vibration), not at rest"
         return _Missing(f"not resolved: {reason}; {disturbed}", "disturbed")
@@ -184,14 +189,25 @@ def _dominant_alpha(fit: AxisFit, tau_s: Array) -> Array:
     return np.asarray(alphas[np.argmax(variances, axis=0)])
 
 
-def _fit_warnings(fit: AxisFit, outcomes: Mapping[str, Coefficient | _Missing]) -> tuple[str, ...]:
+def _falls(frequency_hz: float) -> str:
+    return f"the spectrum falls beyond {frequency_hz:.2g} Hz as behind a low pass; give the bandwidth"
+
+
+def _fit_warnings(
+    fit: AxisFit, outcomes: Mapping[str, Coefficient | _Missing], bandwidth_hz: float | None
+) -> tuple[str, ...]:
     warnings = []
     if fit.lines_hz:
         lines = ", ".join(f"{line:.3g}" for line in fit.lines_hz)
         warnings.append(f"vibration or interference at {lines} Hz, left out of the fit")
-    if fit.band_cut:
+    if fit.falls_hz is not None:
+        warnings.append(_falls(fit.falls_hz))
+    elif fit.band_cut and bandwidth_hz is not None:
+        share = f"{PASSED_SHARE:g} of the bandwidth of {bandwidth_hz:g} Hz, which a low pass leaves as it was"
+        warnings.append(f"fitted up to {fit.band_hz:g} Hz: {share}")
+    elif fit.band_cut:
         warnings.append(f"fitted up to {fit.band_hz:g} Hz: above it the five noise terms do not hold")
-    if 0.0 < fit.model_error <= WORST_MODEL_ERROR:
+    if fit.falls_hz is None and 0.0 < fit.model_error <= WORST_MODEL_ERROR:
         off = 100 * fit.model_error
         warnings.append(f"the spectrum departs from the fit by {off:.0f} %; the intervals include it")
     walk = outcomes["random_walk"]

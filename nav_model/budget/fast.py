@@ -43,7 +43,7 @@ def fast_sources(design: Design, value: Value, wavelength: Array, aperture: Arra
     return _through(*parts, numbers)
 
 
-_NUMBERS = ("motion.delay", "motion.imu_bandwidth", "oscillator.frequency", "radar.slant_range")
+_NUMBERS = ("motion.delay", "imu.bandwidth", "oscillator.frequency", "radar.slant_range")
 """Inputs of the sources beside their tables, the wavelength and the aperture."""
 
 
@@ -102,13 +102,13 @@ def scattered_floor(design: Design, cells: Array, wavelength: float, aperture: f
 def _sources(motion: Motion, oscillator: Oscillator, numbers: Mapping[str, Array]) -> dict[str, Source]:
     none = np.zeros(0)
     sources: dict[str, Source] = {}
-    given = motion.imu_bandwidth is not None
-    if (motion.lines or motion.spectrum) and (given or np.any(numbers["motion.delay"] != 0)):
+    bandwidth = numbers.get("imu.bandwidth")
+    if (motion.lines or motion.spectrum) and (bandwidth is not None or np.any(numbers["motion.delay"] != 0)):
         sources[VIBRATION] = Source(
             *_lines(motion.lines),
             accelerations=_curve(motion.spectrum),
             delay=numbers["motion.delay"],
-            bandwidth=numbers["motion.imu_bandwidth"] if given else None,
+            bandwidth=bandwidth,
         )
     if motion.unsensed_lines or motion.unsensed_spectrum:
         curve = _curve(motion.unsensed_spectrum)

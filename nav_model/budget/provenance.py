@@ -275,7 +275,7 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
     (
         lambda design: (
             bool(design.motion.lines or design.motion.spectrum)
-            and design.motion.imu_bandwidth is None
+            and design.imu.bandwidth is None
             and design.motion.delay == 0
         ),
         "Vibration is given without an IMU bandwidth and without a delay to the radar, so all of it counts as "

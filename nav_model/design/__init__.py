@@ -59,6 +59,10 @@ _KEYS = {
 """Section -> dotted keys of its values, the catalogue's entry first."""
 
 
+# Inputs that have moved since designs were saved: their name in a hash, and the key that they stand before there.
+_HASHED_AS = {"imu.bandwidth": ("motion.imu_bandwidth", "motion.delay")}
+
+
 class Design:
     """One design, immutable: a name, a description and its parts.
 
@@ -270,9 +274,13 @@ class Design:
     @property
     def content_hash(self) -> str:
         """SHA-256 over every key and value, in hexadecimal; stable across runs, machines and units."""
+        keys = [key for key in self._values if key not in _HASHED_AS]
+        for key, (_, next_key) in _HASHED_AS.items():
+            keys.insert(keys.index(next_key), key)
         lines = [
-            f"{key}={(value + 0.0).hex() if isinstance(value, float | int) else repr(_identity(key, value))}"
-            for key, value in self._values.items()
+            f"{_HASHED_AS.get(key, (key,))[0]}="
+            f"{(value + 0.0).hex() if isinstance(value, float | int) else repr(_identity(key, value))}"
+            for key, value in ((key, self._values[key]) for key in keys)
             if key not in INPUTS_SINCE or value != (None if key in PRESET_KEYS else declaration_of(key).default)
         ]
         return hashlib.sha256("\n".join(lines + self.entries.identity()).encode()).hexdigest()

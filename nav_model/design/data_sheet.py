@@ -25,6 +25,7 @@ _NAMES = (
     (re.compile(r"bias.*(?:instab|stab)|in.?run", re.I), _of_sensors("bias_instability")),
     (re.compile(r"\bg.?sensitiv|linear acceleration", re.I), ("gyro.g_sensitivity",)),
     (re.compile(r"(?:output|sampl|update|data)\w*\s+(?:data\s+)?(?:rate|frequency)|\bODR\b", re.I), ("imu.rate",)),
+    (re.compile(r"bandwidth|\bcut.?off\b", re.I), ("imu.bandwidth",)),
 )
 _OTHER_BIAS = re.compile(r"over\b.*\btemp", re.I)
 _TURN_ON = re.compile(r"turn.?on to turn.?on", re.I)  # behind the value of what is called a stability

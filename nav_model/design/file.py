@@ -85,9 +85,24 @@ def _load(data: bytes | str, where: str) -> dict[str, Any]:
             text = data if isinstance(data, str) else data.decode("utf-8-sig")
             raise _toml_error(str(error.__cause__), text, where) from error.__cause__
         raise
+    for old, key in RENAMED.items():
+        _rename(tables, old, key)
     if not tables:
         raise InputError(where, f"is empty; a design has sections {', '.join(f'[{s}]' for s in INPUTS)}")
     return tables
+
+
+def _rename(tables: dict[str, Any], old: str, key: str) -> None:
+    """Move an input under a name of before, and where it came from, to its key."""
+    (section, _, name), (target, _, new) = old.rpartition("."), key.rpartition(".")
+    if section in INPUTS and isinstance(table := tables.get(section), dict) and name in table:
+        of_target = tables.setdefault(target, {})
+        if isinstance(of_target, dict):
+            if new in of_target:
+                raise InputError(old, f"means the same as {key}. Give one of them.")
+            of_target[new] = table.pop(name)
+    if isinstance(origins := tables.get(ORIGINS), dict) and old in origins:
+        origins[key] = origins.pop(old)
 
 
 def _toml_error(message: str, text: str, where: str) -> InputError:

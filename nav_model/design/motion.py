@@ -36,20 +36,6 @@ class Motion(Part):
         "environmental test standards; zero outside the table [P-8].",
         since="0.1.0",
     )
-    imu_bandwidth = OptionalQuantity(
-        dimension="frequency",
-        unit="Hz",
-        short="bw",
-        bounds=(0.1, 1e6),
-        softbounds=(10.0, 1000.0),
-        label="IMU bandwidth",
-        doc="-3 dB bandwidth of the accelerometers, first order: vibration beyond it is not compensated [P-8].",
-        datasheet='Accelerometer table: "bandwidth" or "-3 dB bandwidth".',
-        typical="50 to 500 Hz",
-        when_empty="no limit",
-        since="0.1.0",
-        needs=("lines", "spectrum"),
-    )
     delay = Quantity(
         default=0.0,
         dimension="time",

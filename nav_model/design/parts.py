@@ -46,10 +46,11 @@ OUTDATED: dict[str, tuple[str, str]] = {
 """Inputs that files, links and commands of before may have, without effect: short name in links, and why."""
 
 RENAMED: dict[str, str] = {
+    "motion.imu_bandwidth": "imu.bandwidth",
     "receiver.velocity_noise": "gnss.velocity_noise",
     **{f"receiver.lever_{way}": f"gnss.lever_{way}" for way in ("forward", "right", "down")},
 }
-"""Names of before for inputs, in commands and links -> their keys."""
+"""Names of before for inputs, in files, commands and links -> their keys."""
 
 PRESET_KEYS = tuple(f"{part.section}.preset" for part in PARTS if "preset" in part.param)
 """Keys that name an entry of the catalogue."""

@@ -115,6 +115,20 @@ class Imu(Part):
         typical="100 to 2000 Hz",
         variable=False,
     )
+    bandwidth = OptionalQuantity(
+        dimension="frequency",
+        unit="Hz",
+        short="bw",
+        bounds=(0.1, 1e6),
+        softbounds=(10.0, 1000.0),
+        label="IMU bandwidth",
+        doc="-3 dB bandwidth of the unit's own low pass. Vibration beyond it is not compensated, the accelerometers "
+        "being of first order [P-8]; a log at rest is fitted well below it.",
+        datasheet='"Bandwidth" or "-3 dB bandwidth"; the lower of gyros and accelerometers.',
+        typical="50 to 500 Hz",
+        when_empty="no limit",
+        since="0.1.0",
+    )
 
 
 def _lever(short: str, way: str, label: str) -> Any:

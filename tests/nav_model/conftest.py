@@ -57,7 +57,7 @@ _FAST = st.fixed_dictionaries(
     {
         "motion.lines": st.sampled_from([(), ((20.0, 1.0, "acceleration"), (7.0, 1e-4, "length"))]),
         "motion.spectrum": st.sampled_from([(), _VIBRATION]),
-        "motion.imu_bandwidth": st.one_of(st.none(), _log(20, 500)),
+        "imu.bandwidth": st.one_of(st.none(), _log(20, 500)),
         "motion.delay": st.one_of(st.just(0.0), _log(1e-5, 5e-3)),
         "motion.unsensed_lines": st.sampled_from([(), ((12.0, 1e-4, "length"),)]),
         "motion.rectification": st.one_of(st.just(0.0), _log(1e-6, 1e-4)),

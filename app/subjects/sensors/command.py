@@ -23,6 +23,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument("--columns", metavar="NAME,...", help="columns of a CSV in order; use - to skip one")
     parser.add_argument("--arrays", metavar="ROLE=NAME,...", help="arrays of an NPZ, e.g. gyro=w,accelerometer=f")
     parser.add_argument("--sensor", metavar="VALUE", help="the one of several in a table, as the column has it")
+    parser.add_argument("--bandwidth", metavar="HZ", help="-3 dB of the sensor's own low pass; default: the design's")
     parser.add_argument("--motion", action="store_true", help="log recorded in motion: effective noise, no fit")
     parser.add_argument("--bench-arw", metavar="QUANTITY", help='angle random walk at rest, "0.1 °/√h"')
     parser.add_argument("--bench-vrw", metavar="QUANTITY", help='velocity random walk at rest, "0.03 m/s/√h"')
@@ -36,7 +37,7 @@ def add_to(commands: Any) -> None:
 
 
 def _allan(options: argparse.Namespace) -> int:
-    from app.subjects.sensors.log_study import read_options, study_log
+    from app.subjects.sensors.log_study import read_bandwidth, read_options, study_log
     from nav_model.allan.log_content import Limits
     from nav_model.allan.motion import BenchNoise, MotionAnalysis, motion_to_json
     from nav_model.allan.result import to_json
@@ -46,7 +47,10 @@ def _allan(options: argparse.Namespace) -> int:
         options.parser.error("--bench-arw and --bench-vrw belong to --motion")
     if options.motion and options.against:
         options.parser.error("--against is of a log at rest, without --motion")
+    if options.motion and options.bandwidth is not None:
+        options.parser.error("--bandwidth is of a log at rest, without --motion")
     design = read_design(options.against, ()) if options.against else None
+    bandwidth_hz = read_bandwidth(options.bandwidth, design)
     lines = required(design, "imu") if design else ()  # refused now, not after the log
     passes = True
     piped = options.log == "-"
@@ -65,6 +69,7 @@ def _allan(options: argparse.Namespace) -> int:
             try:
                 study = study_log(
                     source, log_options, "standard input" if piped else None, bench=bench if options.motion else None,
+                    bandwidth_hz=bandwidth_hz,
                     progress=lambda share, what: progress(what, share),
                 )  # fmt: skip
             except InputError as error:

@@ -17,7 +17,7 @@ from app.document.pane import html_of
 from app.report.supplier import acceptance_blocks
 from app.session import Session
 from app.subjects.sensors.charts import axis_chart, triad_chart
-from app.subjects.sensors.log_study import Study, read_options, study_log
+from app.subjects.sensors.log_study import Study, read_bandwidth, read_options, study_log
 from app.subjects.sensors.tables import (
     coefficient_tables,
     motion_answer,
@@ -69,6 +69,7 @@ _BOXES = {
     "columns": ("Columns of a CSV, in order", "time, gyro_x, …; use - to skip one", 240),
     "arrays": ("Arrays of an NPZ", "gyro=w, accelerometer=f", 220),
     "sensor": ("Sensor", "one of several in the file", 185),
+    "bandwidth": ("Bandwidth [Hz]", "of its low pass; empty: the design's", 240),
 }
 
 _OF = {"gyro_unit": "gyro", "accelerometer_unit": "accelerometer"}
@@ -151,6 +152,7 @@ class LogPanel(pn.viewable.Viewer):
         name = self.name_of_log
         try:
             options = self._options()
+            bandwidth_hz = read_bandwidth(self.boxes["bandwidth"].value, self.session.design)
         except InputError as error:
             self._refuse(error)
             self.run.message = ""  # why the log was refused before
@@ -161,7 +163,7 @@ class LogPanel(pn.viewable.Viewer):
         async def study(run: Run) -> Study:
             try:
                 return await run_alone(
-                    study_log, self._path, options, name, UPLOAD_LIMITS, bench,
+                    study_log, self._path, options, name, UPLOAD_LIMITS, bench, bandwidth_hz,
                     progress=lambda share, what: run.tell(f"{name}: {what}", share),
                 )  # fmt: skip
             except InputError as error:
@@ -203,7 +205,7 @@ class LogPanel(pn.viewable.Viewer):
                 rate = float(texts["rate"].lower().removesuffix("hz"))
             except ValueError as error:
                 raise InputError("rate", f"{texts['rate']!r} is not a rate. Enter for example 100 Hz.") from error
-        return read_options(rate, *(texts[key] for key in _BOXES if key != "rate"))
+        return read_options(rate, *(texts[key] for key in _BOXES if key not in ("rate", "bandwidth")))
 
     def close(self) -> None:
         """End all work and delete the log when the user has left."""

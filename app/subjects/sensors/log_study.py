@@ -1,5 +1,6 @@
 """Analysis of a log for the command and for the Sensors page, which runs it in a separate process."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,6 +10,8 @@ from nav_model.allan.motion import BenchNoise, MotionAnalysis, analyse_motion
 from nav_model.allan.result import LogAnalysis
 from nav_model.allan.static_log import analyse_log
 from nav_model.base.errors import InputError
+from nav_model.design import Design
+from nav_model.design.parts import quantity
 
 Study = LogAnalysis | MotionAnalysis
 Progress = Callable[[float, str], None]
@@ -54,19 +57,37 @@ def read_options(
     return LogOptions(rate, gyro, accelerometer, names, chosen or None, one)
 
 
+def read_bandwidth(text: str | None, design: Design | None) -> float | None:
+    """Bandwidth [Hz] of a sensor's low pass as typed, a number being in Hz; where nothing is, that of a design.
+
+    Raises
+    ------
+    InputError
+        If it is not a frequency that a sensor may have.
+    """
+    text = (text or "").strip()
+    if not text:
+        return design.imu.bandwidth if design else None
+    try:
+        return quantity("imu.bandwidth").read(f"{text} Hz" if re.fullmatch(r"[-+\d.eE]+", text) else text).value
+    except InputError as error:
+        raise InputError("bandwidth", error.reason, text) from error
+
+
 def study_log(
     source: str | Path | bytes,
     options: LogOptions | None = None,
     file_name: str | None = None,
     limits: Limits | None = None,
     bench: BenchNoise | None = None,
+    bandwidth_hz: float | None = None,
     *,
     progress: Progress,
 ) -> Study:
     """Read a log and analyse it, with fractions from 0 to 1 and what is being done for `progress`.
 
     Without `bench` it was taken at rest and gives noise parameters; with `bench` it was taken in motion and gives
-    the effective noise, against that.
+    the effective noise, against that. `bandwidth_hz` is that of a low pass inside the sensor, for a log at rest.
 
     Raises
     ------
@@ -76,7 +97,9 @@ def study_log(
     progress(0.0, "reading")
     log = read_log(source, options, file_name, limits)
     try:
-        return analyse_log(log, progress=progress) if bench is None else analyse_motion(log, bench, progress=progress)
+        if bench is not None:
+            return analyse_motion(log, bench, progress=progress)
+        return analyse_log(log, progress, bandwidth_hz)
     except InputError:
         raise
     except ValueError as error:  # of a step that knows no file, such as a log too short to fit

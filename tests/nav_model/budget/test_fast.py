@@ -81,7 +81,7 @@ def test_vibration_is_what_the_delay_leaves(open_design):
     metres = echo.phase * 0.0312283810 / (4 * math.pi)
     assert metres == pytest.approx(0.6210e-3 * 0.6180, rel=1e-3)
     assert analyse(open_design.replace(line)).spectral.echoes == ()
-    (slow,) = analyse(open_design.replace(line | {"motion.imu_bandwidth": 20.0})).spectral.echoes
+    (slow,) = analyse(open_design.replace(line | {"imu.bandwidth": 20.0})).spectral.echoes
     assert slow.phase / echo.phase == pytest.approx(math.sqrt(0.5) / 0.6180, rel=1e-3)  # at its corner
 
 
@@ -195,15 +195,13 @@ def test_an_aperture_that_hides_the_echo_in_the_main_lobe_is_found(open_design):
 
 
 def test_sources_are_kept_while_the_design_changes_elsewhere(full):
-    at_carrier = full.replace(
-        {"oscillator.bistatic": False, "motion.imu_bandwidth": 200.0, "radar.aperture_time": 5.0}
-    )
+    at_carrier = full.replace({"oscillator.bistatic": False, "imu.bandwidth": 200.0, "radar.aperture_time": 5.0})
     design = at_carrier.replace({"oscillator.frequency": 1e8})
     assert (
         inputs_of(design.replace({"imu.gyro_bias": 1e-6, "gnss.position_noise": 0.7})).fast is inputs_of(design).fast
     )
     changes = {
-        "motion.delay": 3e-4, "motion.imu_bandwidth": 100.0, "oscillator.frequency": 2e8, "radar.slant_range": 9e3,
+        "motion.delay": 3e-4, "imu.bandwidth": 100.0, "oscillator.frequency": 2e8, "radar.slant_range": 9e3,
         "radar.aperture_time": 3.0, "radar.window": "hamming", "oscillator.bistatic": True,
         "motion.lines": ((20.0, 2 * G, "acceleration"),),
     }  # fmt: skip

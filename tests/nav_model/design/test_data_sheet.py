@@ -34,6 +34,7 @@ _BG, _BA = "gyro.bias_instability", "accelerometer.bias_instability"
             "Parameter\tConditions\tTyp\tUnit\nAngle Random Walk\t1 σ\t0.09\t°/√hr\nBias stability\t25 °C\t0.8\t°/hr",
             {_ARW: math.radians(0.09) / 60, _BG: 0.8 * _DEGREE_PER_HOUR},
         ),
+        ("Output data rate 200 Hz\nBandwidth (-3 dB) 47 Hz", {"imu.rate": 200.0, "imu.bandwidth": 47.0}),
         ("| ARW | 0.15 | °/√h |\n| VRW | 0.06 | m/s/√h |", {_ARW: math.radians(0.15) / 60, _VRW: 0.001}),
         ("Rate noise density 0.004 (°/sec)/√Hz rms", {_ARW: math.radians(0.004)}),
         ("Bias repeatability 5 °/h\nAccelerometer bias repeatability 1.7 mg",

@@ -69,7 +69,7 @@ def test_a_slow_error_takes_the_same_grid(open_design):
     ("x", "y", "result", "message"),
     [
         (ARW, ARW, ALL, "both axes"),
-        (ARW, "motion.imu_bandwidth", ALL, "has none"),
+        (ARW, "imu.bandwidth", ALL, "has none"),
         (ARW, "radar.window", ALL, "axis"),
         (ARW, GNSS, "weight", "Choose "),
     ],

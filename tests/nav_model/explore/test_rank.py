@@ -51,7 +51,7 @@ EVERYTHING = Design(
         "gnss.velocity_interval": 0.5, "gnss.correlated": True, "gnss.vertical_correlated_noise": 2.0,
         "coast.before_aperture": 2.0,
         "radar.squint_angle": 0.2, "processing.mode": POST_PROCESSED, "processing.scene_height_error": 5.0,
-        "motion.lines": ((20.0, 1.0, "acceleration"),), "motion.imu_bandwidth": 200.0, "motion.delay": 2e-3,
+        "motion.lines": ((20.0, 1.0, "acceleration"),), "imu.bandwidth": 200.0, "motion.delay": 2e-3,
         "motion.rectification": 5e-7, "oscillator.frequency": 1e8,
         "oscillator.phase_noise": ((0.01, 1e-6, "phase noise"), (1e3, 1e-14, "phase noise")),
     }

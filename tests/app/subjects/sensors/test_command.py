@@ -41,6 +41,29 @@ def test_static_log_gives_the_contract(bench: Path, capsys: pytest.CaptureFixtur
     assert err.rstrip().endswith("done")
 
 
+def test_a_bandwidth_narrows_the_fit(bench: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    design = tmp_path / "design.toml"
+    tactical = Path("examples/tactical_x_band.toml").read_text(encoding="utf-8")
+    design.write_text(tactical.replace("[imu]", '[imu]\nbandwidth = "200 Hz"'), encoding="utf-8")
+    command = ["allan", str(bench), "--rate", "100"]
+    for options, top in ((["--bandwidth", "100"], 10.0), (["--bandwidth", "100 Hz"], 10.0), ([], 50.0)):
+        data = reply(capsys, *command, *options)
+        assert [axis["band_hz"] for axis in data["axes"]] == pytest.approx([top] * 6)
+        walk = data["axes"][0]["random_walk"]
+        assert walk["low"] <= 0.3 * 1.01
+        assert walk["high"] >= 0.3 / 1.01
+    main([*command, "--against", str(design)])
+    assert [axis["band_hz"] for axis in json.loads(capsys.readouterr().out)["axes"]] == pytest.approx([20.0] * 6)
+    main([*command, "--against", str(design), "--bandwidth", "100"])
+    assert [axis["band_hz"] for axis in json.loads(capsys.readouterr().out)["axes"]] == pytest.approx([10.0] * 6)
+    assert main([*command, "--bandwidth", "2 Hz"]) == 2
+    assert "with a bandwidth of 2 Hz at least 640 s are needed" in capsys.readouterr().err
+    assert main([*command, "--bandwidth", "-3"]) == 2
+    assert "bandwidth: " in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main([*command, "--motion", "--bandwidth", "20"])
+
+
 def test_output_goes_to_a_file(bench: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     target = tmp_path / "noise.json"
     assert main(["allan", str(bench), "--rate", "100", "-o", str(target)]) == 0

@@ -100,6 +100,19 @@ def test_the_sensor_of_a_log_with_several_is_chosen(sensors: SensorsPage):
     assert panel.static.analysis.provenance.file_name == "one.csv"
 
 
+def test_the_bandwidth_of_a_low_pass_ends_the_fitted_band(sensors: SensorsPage):
+    panel = sensors.log
+    panel.boxes["rate"].value, panel.boxes["bandwidth"].value = "100", "wide"
+    asyncio.run(panel.take("bench.csv", log(6000)))
+    assert panel.boxes["bandwidth"].error_state
+    assert panel.static.analysis is None
+    for text, of_design, top in (("100", 200.0, 10.0), ("80 Hz", 200.0, 8.0), ("", 200.0, 20.0), ("", None, 50.0)):
+        panel.session.change({"imu.bandwidth": of_design})
+        panel.boxes["bandwidth"].value = text
+        asyncio.run(panel.analyse())
+        assert [axis.band_hz for axis in panel.static.analysis.axes] == pytest.approx([top] * 6)
+
+
 def test_a_malformed_log_loses_nothing(sensors: SensorsPage):
     panel = sensors.log
     panel.boxes["rate"].value = "100"
