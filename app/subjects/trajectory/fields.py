@@ -3,10 +3,9 @@
 from collections.abc import Callable
 from typing import Any
 
-import panel_material_ui as pmui
-
 from app.document.wording import entered
 from app.session import Session
+from app.ui.fields import TextInput
 from app.ui.row_editor import Field, RowEditor, Rows
 from nav_model.base.errors import InputError
 from nav_model.design.parts import declaration_of, labelled
@@ -25,16 +24,16 @@ class PlanFields:
 
     def __init__(self, session: Session, changed: Callable[[], object]) -> None:
         self._session, self._changed = session, changed
-        self._boxes: dict[str, pmui.TextInput] = {}
+        self._boxes: dict[str, TextInput] = {}
         self._tables: dict[str, RowEditor] = {}
         self._texts: dict[str, str] = {}
         self._refused: dict[str, InputError] = {}
 
-    def box(self, name: str, **look: Any) -> pmui.TextInput:
+    def box(self, name: str, **look: Any) -> TextInput:
         """A box for a number, or for a table in one line."""
         declared = declaration_of(f"trajectory.{name}")
         empty = "none" if getattr(declared, "allow_None", False) else getattr(declared, "example", "")
-        box = pmui.TextInput(label=str(declared.label), placeholder=empty, **look)
+        box = TextInput(label=str(declared.label), placeholder=empty, **look)
         self._boxes[name] = box
         self._show(name)
 

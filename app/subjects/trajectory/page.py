@@ -39,7 +39,7 @@ from app.ui.study_page import StudyPage
 from app.ui.theme import NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
 from app.ui.upload import UploadedFile, upload
 from app.work.flight import OF_DESIGN, File, Followed, followed
-from app.work.pool import run_in_pool
+from app.work.pool import read_in_pool, run_in_pool
 from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.base.text.csv_text import csv_text
@@ -352,7 +352,7 @@ class TrajectoryPage(StudyPage[Followed]):
     async def _uploaded(self, name: str, content: bytes) -> None:
         await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.files.reader")
         try:
-            places, note = await run_in_pool(waypoints_in, content, name, self._session.design)
+            places, note = await read_in_pool(waypoints_in, content, name, self._session.design)
             if not 0 < len(places) <= MOST_WAYPOINTS:
                 self._file = File(name, await self._on_disk.put(content))
         except InputError as error:

@@ -33,6 +33,7 @@ from app.subjects.trajectory.figures import FIGURES, main_figure
 from app.subjects.trajectory.kml import NAMESPACE, as_kml
 from app.subjects.trajectory.page import TrajectoryPage, as_csv, as_json
 from app.subjects.trajectory.plan_file import as_plan
+from app.subjects.trajectory.run import closing_options
 from app.subjects.trajectory.tables import line_list, line_table, verdict
 from app.work import flight as engine
 from app.work.flight import File, Followed, follow
@@ -286,6 +287,12 @@ def test_a_file_of_waypoints_goes_into_the_design_and_others_are_refused_by_name
     with pytest.raises(InputError, match=r"Flight: .* too long for this page"):
         follow(first_design().replace({"trajectory.duration": 1e5}))
     dense = {"trajectory.duration": 7000.0, "radar.aperture_time": 1.0}
+    with pytest.raises(InputError, match=r"Flight: 2900 s have too many fixes for an aperture of 80 s: too long"):
+        follow(
+            first_design().replace({"trajectory.duration": 2900.0, "gnss.interval": 0.1, "radar.aperture_time": 80.0})
+        )
+    with pytest.raises(InputError, match=r"Flight: .* more than 15000 fixes: too long"):
+        closing_options(first_design().replace({"trajectory.duration": 2e4}), progress=lambda *_: None)
     with pytest.raises(InputError, match=r"the flight takes 35\d+ steps, at most 30000"):
         follow(first_design().replace(dense))
 
