@@ -100,6 +100,8 @@ def parse_exact(
         raise InputError(_KEY, refused, text)
     unit = stripped[match.end() :]
     if not unit.strip():
+        if dimension == "ratio":
+            return _decimal(match[0], text), table.default_unit
         example = join_quantity(match[0], table.examples[0].lstrip("-.0123456789e "))
         raise InputError(_KEY, f"{quoted(text)} has no unit. Write for example {example}.", text)
     if re.match(r",\d", unit):
