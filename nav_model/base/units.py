@@ -305,6 +305,16 @@ def _plain_decimal(number: Decimal) -> str:
     return f"{mantissa}e{int(exponent)}"
 
 
+def clock(seconds: float) -> str:
+    """A time as minutes and seconds.
+
+    >>> clock(489.6), clock(7.0)
+    ('8:10', '0:07')
+    """
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes}:{rest:02d}"
+
+
 def time_in_words(seconds: float) -> str:
     """A time to three digits below a minute, in minutes and whole seconds from there on.
 
