@@ -17,7 +17,8 @@ class Triad(NamedTuple):
     flies.
 
     white: sigma of one increment's noise; fixed: turn-on bias (3); markov, walk: the two moving biases (3)
-    with their step constants; distortion: identity plus scale factors and misalignments (3, 3);
+    with their step constants; constant: turn-on bias and what constant errors make of a mean force and rate (3);
+    distortion: identity plus scale factors and misalignments (3, 3);
     quantum: size of one output count; residual: what quantization holds back until the next sample (3).
     """
 
@@ -28,6 +29,7 @@ class Triad(NamedTuple):
     markov_drive: float
     walk: FloatArray
     walk_drive: float
+    constant: FloatArray
     distorted: bool
     distortion: FloatArray
     quantum: float
@@ -64,6 +66,7 @@ def draw_triad(model: TriadModel, rate: float, vibration_factor: float, generato
         markov_drive=model.bias_instability * math.sqrt(-math.expm1(-2.0 * dt / model.correlation_time)),
         walk=np.zeros(3),
         walk_drive=model.rate_random_walk * math.sqrt(dt),
+        constant=fixed,
         distorted=model.scale_factor > 0.0 or model.misalignment > 0.0,
         distortion=distortion,
         quantum=model.quantization,

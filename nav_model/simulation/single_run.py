@@ -64,8 +64,9 @@ class RunRecord:
 
     error, filter_sigma: shape (2, outputs, states), [0] just before the fix at that time and [1] just after
     (the same where no fix falls); states are position [m] and velocity [m/s] north, east, down, then roll,
-    pitch, yaw [rad], then with 15 states accelerometer [m/s^2] and gyro [rad/s] biases; with 21 those are
-    the constant and walking part, and the Gauss-Markov part of both follows. The states of a slow GNSS error are left
+    pitch, yaw [rad], then with 15 states accelerometer [m/s^2] and gyro [rad/s] biases, those that scale factor,
+    misalignment and g-sensitivity make on the flight's mean among them; with 21 those are the constant and walking
+    part, and the Gauss-Markov part of both follows. The states of a slow GNSS error are left
     out, here and in the NEES; the NIS has them.
     nees: (outputs,), after the fix. nis: (fixes,), of `measured` numbers in all. fix_error: (fixes, 3), noise of the
     positions, north, east, down [m].
@@ -299,8 +300,8 @@ def _advance_run(
             if events[k] & OUTPUT:
                 for i in range(3):
                     a, g = ACCELEROMETER + i, GYRO + i
-                    bias_error[a] = bias[a] - accelerometer.fixed[i] - accelerometer.walk[i]
-                    bias_error[g] = bias[g] - gyro.fixed[i] - gyro.walk[i]
+                    bias_error[a] = bias[a] - accelerometer.constant[i] - accelerometer.walk[i]
+                    bias_error[g] = bias[g] - gyro.constant[i] - gyro.walk[i]
                     bias_error[TRIADS + a] = bias[TRIADS + a] - accelerometer.markov[i]
                     bias_error[TRIADS + g] = bias[TRIADS + g] - gyro.markov[i]
                 if inertial == BIASES + TRIADS:
@@ -336,9 +337,14 @@ def _fly_with(spec: SimulationSpec, imu: ImuModel, run: int, noisy: bool) -> Run
     if any(residual):
         acting = np.concatenate([[0.0], schedule.unaided > 0.0]) / imu.rate
         increments = increments + acting[:, None] * np.repeat(residual, 3) * start_noise.standard_normal(6)
+    by_force = np.zeros(3)
     if imu.gyro.g_sensitivity:
-        rates = imu.gyro.g_sensitivity * start_noise.standard_normal(3) * increments[:, :GYRO]
-        increments = np.hstack([increments[:, :GYRO], increments[:, GYRO:] + rates])
+        by_force = imu.gyro.g_sensitivity * start_noise.standard_normal(3)
+        increments = np.hstack([increments[:, :GYRO], increments[:, GYRO:] + by_force * increments[:, :GYRO]])
+    # Of the flight's mean force and rate, a filter takes what the constant errors make for a constant bias.
+    force, rate = np.split(schedule.increments.mean(axis=0) * imu.rate, 2)
+    gyro = gyro._replace(constant=gyro.fixed + gyro.distortion @ (rate + by_force * force) - rate)
+    accelerometer = accelerometer._replace(constant=accelerometer.fixed + accelerometer.distortion @ force - force)
     sigma = initial_sigma(spec)
     draw = sigma[:9] * start_noise.standard_normal(9) * (1.0 if noisy else 0.0)
     bias = np.zeros(12)

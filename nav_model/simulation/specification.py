@@ -96,14 +96,19 @@ class TriadModel:
         _check(self, positive=("correlation_time",), non_negative=others)
 
     @property
+    def constant(self) -> bool:
+        """True if it has an error that is a constant bias while the flight is straight and level."""
+        return bool(self.turn_on_bias or self.scale_factor or self.misalignment or self.g_sensitivity)
+
+    @property
     def biased(self) -> bool:
-        """True if it has a bias that a filter estimates, constant or varying."""
-        return bool(self.turn_on_bias or self.bias_instability or self.rate_random_walk)
+        """True if it has an error that a filter estimates as a bias, constant or varying."""
+        return bool(self.constant or self.bias_instability or self.rate_random_walk)
 
     @property
     def mixed(self) -> bool:
         """True if it has a Gauss-Markov bias and another, of which one state holds the sum as a random walk alone."""
-        return bool(self.bias_instability and (self.turn_on_bias or self.rate_random_walk))
+        return bool(self.bias_instability and (self.constant or self.rate_random_walk))
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.base.constants import EARTH_RATE, STANDARD_GRAVITY
 from nav_model.simulation.fixes import FilterTuning
-from nav_model.simulation.layout import BIASES
+from nav_model.simulation.layout import BIASES, TRIADS
 from nav_model.simulation.specification import SimulationSpec
 
 FloatArray = NDArray[np.float64]
@@ -27,8 +28,7 @@ def tuning_of(spec: SimulationSpec) -> FilterTuning:
         if model.bias_instability > 0.0:
             # One state holds the whole bias: a Gauss-Markov process where that is all there is, a random walk
             # of the same drive where a constant or a walk comes with it.
-            alone = model.turn_on_bias == 0.0 and model.rate_random_walk == 0.0
-            decay[first : first + 3] = 1.0 / model.correlation_time if alone else 0.0
+            decay[first : first + 3] = 0.0 if model.mixed else 1.0 / model.correlation_time
         drive[first : first + 3] = scale**2 * (moved + model.rate_random_walk**2)
     of_slow = slice(inertial - BIASES, spec.filter.states - BIASES)
     decay[of_slow], drive[of_slow] = 1.0 / gnss.markov_time, 2.0 / gnss.markov_time
@@ -61,13 +61,33 @@ def initial_sigma(spec: SimulationSpec) -> FloatArray:
     return sigma
 
 
+def fixed_errors(spec: SimulationSpec) -> FloatArray:
+    """Sigma (6) of the constant biases [m/s², rad/s] that scale factor, misalignment and g-sensitivity make while the
+    flight is straight and level, of gravity and of the Earth's rate, on the mean over headings."""
+    latitude = spec.trajectory.latitude
+    force = np.array([0.0, 0.0, STANDARD_GRAVITY**2])
+    rate = EARTH_RATE**2 * np.array([*[math.cos(latitude) ** 2 / 2] * 2, math.sin(latitude) ** 2])
+    variances: list[FloatArray] = []
+    for model, sensed in ((spec.imu.accelerometer, force), (spec.imu.gyro, rate)):
+        across = sensed.sum() - sensed
+        variances.append(
+            model.scale_factor**2 * sensed + model.misalignment**2 * across + model.g_sensitivity**2 * force
+        )
+    sigma: FloatArray = np.sqrt(np.concatenate(variances))
+    return sigma
+
+
 def believed_covariance(spec: SimulationSpec) -> FloatArray:
     """Covariance (states, states) that the filter starts with, units as `initial_sigma`, slow errors in sigmas.
 
     One that knows the slow error of the fixes knows too that the INS starts from such a fix: its position is off by
-    the slow error of that moment, beside its own sigma.
+    the slow error of that moment, beside its own sigma. One with biases takes `fixed_errors` for constant ones.
     """
-    sigma = initial_sigma(spec) * spec.filter.initial_scale
+    sigma = initial_sigma(spec)
+    if spec.filter.inertial > BIASES:
+        constant = slice(BIASES, BIASES + TRIADS)
+        sigma[constant] = np.hypot(sigma[constant], fixed_errors(spec))
+    sigma *= spec.filter.initial_scale
     sigma[9:] = np.maximum(sigma[9:] * spec.filter.bias_scale, least_biases(spec.filter.inertial))
     believed = np.diag(np.concatenate([sigma, np.ones(spec.filter.slow)]) ** 2)
     for axis, state in enumerate(range(spec.filter.inertial, spec.filter.states)):

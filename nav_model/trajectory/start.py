@@ -181,7 +181,8 @@ def _started_with(states: States, covariance: FloatArray, unknown: tuple[list[Fl
     those `unknown` to it begin with their columns and owners.
 
     Each column of its Cholesky factor, biases before attitude, velocity and position, goes to its state's source.
-    Where one state of the filter is for several errors of a sensor, each has its part of the variance.
+    Where one state of the filter is for several errors of a sensor, each has its part of the variance that the filter
+    believes.
     """
     m = states.estimated
     order = np.array([*range(BIASES, m), *range(BIASES - 1, -1, -1)])
@@ -197,6 +198,8 @@ def _started_with(states: States, covariance: FloatArray, unknown: tuple[list[Fl
             parts.setdefault(filter_states.get(state, state), []).append((owner, state, float(column[state])))
     for place, by_place in zip(order.tolist(), factor.T, strict=True):
         whole = math.hypot(*(sigma for _, _, sigma in parts.get(place, ())))
+        if BIASES <= place < states.inertial:  # errors that are considered beside it may be part of what it believes
+            whole = math.sqrt(states.believed[place, place])
         for owner, state, sigma in parts.get(place, ()):
             column = np.zeros(states.size)
             column[:m] = sigma / whole * by_place

@@ -4,6 +4,7 @@ What may differ is in `REASONS`, with its bound; docs/trajectory.md says why.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -129,9 +130,9 @@ def filled(seed: int) -> Design:
         {
             "accelerometer.bias_instability": between(3e-5, 1e-2),
             "accelerometer.correlation_time": between(100.0, 5000.0),
-            "accelerometer.turn_on_bias": (turn_on := between(1e-4, 1e-2)),
+            "accelerometer.turn_on_bias": between(1e-4, 1e-2),
             "accelerometer.misalignment": between(1e-5, 1e-3),
-            "accelerometer.scale_factor": 0.03 * turn_on,  # a third of it upright: the filter takes it for that bias
+            "accelerometer.scale_factor": between(1e-5, 1e-3),
             "accelerometer.rate_random_walk": walks * between(1e-8, 1e-6),
             "gyro.bias_instability": between(0.02, 5.0) * hour,
             "gyro.correlation_time": between(100.0, 5000.0),
@@ -159,6 +160,59 @@ def test_so_it_is_with_all_that_a_data_sheet_prints(seed: int) -> None:
         sigma, along = budget.figure(name).sigma, result.chosen.figures[name][1]
         below = PARTED.get(name, bound)
         assert (1.0 - below) * sigma <= along <= (1.0 + bound) * sigma or sigma == along == 0.0, name
+
+
+@pytest.mark.parametrize("seed", [*range(2), *(pytest.param(n, marks=pytest.mark.slow) for n in range(2, 60))])
+def test_simulated_runs_that_have_settled_have_its_positions(seed: int) -> None:
+    """Runs begin with independent errors: after 50 minutes positions are within 1 % and velocities within 3 %."""
+    design = filled(seed)
+    after = analyse(design).steady_state.posterior
+    study = specification(design, trajectory="straight", duration=3000.0, every=3000.0)
+    north, east, down, *velocity = fly_without_errors(study).filter_sigma[POSTERIOR, -1, :6]
+    for part, bound, (first, second, third) in (
+        ("position", 0.01, (north, east, down)), ("velocity", 0.03, velocity),
+    ):  # fmt: skip
+        assert [first, second] == pytest.approx([after[f"horizontal_{part}"]] * 2, rel=bound)
+        assert third == pytest.approx(after[f"vertical_{part}"], rel=bound)
+
+
+CONSIDERED = {
+    "trajectory.lever_arm_error": 0.5,
+    "trajectory.time_offset": 0.02,
+    "trajectory.radar_time_offset": 0.02,
+    **{f"accelerometer.{name}": 1e-3 for name in ("scale_factor", "misalignment")},
+    **{f"gyro.{name}": 1e-3 for name in ("scale_factor", "misalignment")},
+    "gyro.g_sensitivity": 1e-6,
+    "accelerometer.turn_on_bias": 0.01,
+    "gyro.turn_on_bias": 1e-5,
+    "accelerometer.bias_instability": 0.01,
+    "gyro.bias_instability": 1e-5,
+    "processing.scene_height_error": 10.0,
+}
+"""Errors that a filter of 9 states ignores, and sizes [SI] of which a random part is added."""
+
+
+@pytest.mark.parametrize("seed", [*range(3), *(pytest.param(n, marks=pytest.mark.slow) for n in range(3, 300))])
+def test_an_error_that_the_filter_ignores_improves_no_figure(seed: int) -> None:
+    """More of any, at the same gains and fixes: no state and no figure is less, in real time or smoothed."""
+    draw = np.random.default_rng(5000 + seed)
+    key = str(draw.choice(list(CONSIDERED)))
+    design = drawn(seed).replace(
+        {"filter.states": 9, **{each: CONSIDERED[each] * draw.uniform() * draw.integers(2) for each in CONSIDERED}}
+    )
+    worse = design.replace({key: design[key] + CONSIDERED[key] * 10.0 ** draw.uniform(-2, 0)})
+    flight = str(draw.choice(["straight", "turns", "climb", "wandering"]))
+    first, second = (
+        covariance_specification(each, specification(each, trajectory=flight, duration=180.0, every=30.0))
+        for each in (design, worse)
+    )
+    before, after = covariance(first), covariance(replace(second, flown_further=first.flown_further))
+    for plain, more in ((before.real_time, after.real_time), (before.post_processed, after.post_processed)):
+        for name in ("position", "velocity", "attitude"):
+            assert np.all(getattr(more, name) >= getattr(plain, name) * (1 - 1e-9)), (key, name)
+        for name, values in plain.figures.items():
+            seen = np.isfinite(values)
+            assert np.all(more.figures[name][seen] >= values[seen] * (1 - 1e-9)), (key, name)
 
 
 SLOW_ERRORS = [(0.5, 300.0), (2.0, 60.0), (1.0, 20.0)]  # m, s
