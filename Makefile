@@ -10,6 +10,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 # Installs what a lock file names, each file checked against its digest. uv does so in a fraction of pip's time; where
 # it cannot be had, or does not know the way to the package index that pip is told of, pip does it.
 define install
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "NavBudget needs Python 3.11 or later: make PYTHON=python3.11")'
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	{ $(PIP) install --quiet --require-hashes -r requirements/installer.lock && \
 	  $(BIN)/uv pip install --quiet --compile-bytecode --python $(BIN)/python --require-hashes -r requirements/$(1).lock; } || \

@@ -16,6 +16,8 @@ from nav_model.base.text.csv_text import csv_text
 from nav_model.explore.trade_map import MapPoint, TradeMap
 
 Array = NDArray[np.float64]
+CLOCK = "time [s]"
+"""Label of the time axis of a flight. Its ticks are minutes and seconds, "8:10"; its numbers stay seconds."""
 DataRow = tuple[str | float, ...]
 """A row of a chart's numbers as a table, which `to_csv` writes with full precision."""
 
@@ -86,13 +88,14 @@ class LimitLine:
 @dataclass(frozen=True)
 class Span:
     """A stretch of the x axis, shaded and named; one with a NaN start is not drawn. ``style``: of its colour, if
-    it has one, such as that of a verdict."""
+    it has one, such as that of a verdict; ``faint``: hardly shaded, as what is darker lies in it."""
 
     key: str
     label: str
     start: float
     stop: float
     style: str = ""
+    faint: bool = False
 
 
 MOST_OUTAGES = 4

@@ -58,7 +58,8 @@ def run_to_end(command: Callable[[], int]) -> int:
     except BrokenPipeError:
         return DONE if taken and taken.bytes else SURROUNDINGS
     except OSError as fault:
-        where = f"{quoted(fault.filename)}: " if fault.filename else ""
+        full = fault.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # files of ours have their name
+        where = quoted(fault.filename) + ": " if fault.filename else "standard output: " if full else ""
         return _report(f"{where}{fault.strerror or fault}", SURROUNDINGS)
     except MemoryError:
         return _report("this machine has too little free memory", SURROUNDINGS)

@@ -79,5 +79,6 @@ def _converted(target: Path) -> Iterator[None]:
         raise
     except OSError as error:
         if is_of_surroundings(error):
+            error.filename = error.filename or str(target)
             raise
         raise InputError("-o", f"{str(target)!r} cannot be written: {error.strerror or error}") from error

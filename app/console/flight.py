@@ -81,13 +81,14 @@ def flight_study(
     from nav_model.simulation.trajectory import plan_trajectory
     from nav_model.trajectory.design_study import PLAN, planned
 
+    height, ground = (_length(options, name) for name in ("height", "ground"))
     with under("--outage"):
         outages = list(declaration_of("trajectory.outages").read(";".join(options.outages)))
     flight: PlannedFlight | None
     if options.trajectory == PLAN:
         flight, outages = planned(design), outages or list(design.trajectory.outages)
     else:
-        flight = None if options.trajectory in NAMED_TRAJECTORIES else _of_file(options, design)
+        flight = None if options.trajectory in NAMED_TRAJECTORIES else _of_file(options, design, height, ground)
     whole = flight.duration if flight else _DURATION
     try:
         spec = specification(
@@ -107,12 +108,13 @@ def flight_study(
     return spec, flight
 
 
-def _of_file(options: argparse.Namespace, design: Design) -> PlannedFlight:
+def _of_file(
+    options: argparse.Namespace, design: Design, height: float | None, ground: float | None
+) -> PlannedFlight:
     from nav_model.simulation.design_study import NAMED_TRAJECTORIES
     from nav_model.trajectory.design_study import PLAN, plan_like
     from nav_model.trajectory.files.reader import KINDS, read_file
 
-    height, ground = (_length(options, name) for name in ("height", "ground"))
     if ground is None and design.trajectory.ground:
         ground = design.trajectory.ground
     try:

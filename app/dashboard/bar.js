@@ -146,7 +146,15 @@ export function render({ model }) {
     more.setAttribute("aria-expanded", String(open))
     if (!open) close()
   }
-  place.addEventListener("keydown", (event) => { if (event.key === "Escape") { close(true); shut() } })
+  document.addEventListener("keydown", (event) => {
+    if (event.key === "Escape") { close(true); shut() }
+    const undo = event.key.toLowerCase() === "z", redo = event.key.toLowerCase() === "y" || event.shiftKey
+    const typing = event.composedPath()[0].matches?.("input:not([type=range], [type=checkbox]), textarea, [contenteditable]")
+    if ((event.ctrlKey || event.metaKey) && (undo || event.key.toLowerCase() === "y") && !typing) {
+      event.preventDefault()
+      tell({ do: redo ? "redo" : "undo" })
+    }
+  })
   document.addEventListener("pointerdown", (event) => { if (!event.composedPath().includes(place)) shut() })
 
   // --- what the buttons do ---
@@ -200,7 +208,7 @@ export function render({ model }) {
   }
   at(".studies").onchange = ({ target }) => tell({ do: "tick", kind: target.value, ticked: target.checked })
   for (const button of all("[data-report]")) button.onclick = () => tell({ do: "report", suffix: button.dataset.report })
-  for (const button of all("[data-filter]")) button.onclick = () => tell({ do: "filter", name: button.dataset.filter })
+  for (const button of all("[data-filter]")) button.onclick = () => { shut(); tell({ do: "filter", name: button.dataset.filter }) }
   for (const button of all("[data-sheet]")) button.onclick = () => tell({ do: "sheet", unit: button.dataset.sheet })
   at(".stop").onclick = () => tell({ do: "stop" })
   const report = openers.find((opener) => opener.dataset.menu === "report")
@@ -238,7 +246,7 @@ export function render({ model }) {
     at("[data-do=redo]").disabled = !model.can_redo
   }
   const follow = {
-    named, description: described, active: () => { turned(); find(".main-content")?.scrollTo(0, 0) }, can_undo: can, can_redo: can, studies, left_out: studies, writing, display,
+    named, description: described, active: () => { turned(); shut(); find(".main-content")?.scrollTo(0, 0) }, can_undo: can, can_redo: can, studies, left_out: studies, writing, display,
   }
   for (const [property, change] of Object.entries(follow)) {
     model.on(property, change)

@@ -24,7 +24,7 @@ from app.ui.paper import fit_to_paper
 from app.ui.remembered import DISPLAY_COOKIE, Remembered
 from app.ui.theme import DARK, FULL_HEIGHT, LIGHT, PRINT_PAGE
 from app.ui.tour import Tour
-from app.ui.turns import debounce, defer
+from app.ui.turns import debounce, defer, later
 from app.upstream.browser import Repairs
 from app.upstream.neighbours import follow_session_work
 from nav_model.base.errors import InputError
@@ -38,6 +38,12 @@ _OF_ITS_OWN = {"allocate", "close", "flight", "simulate", "image", "suborbital"}
 _APART = {"theory", "suborbital"}
 """Pages on which the design on the left changes nothing: it is folded there."""
 _SAID_OTHERWISE = "This page shows {} in the units of data sheets. Budget and report show {}."
+_OVER_THE_PAGE = {
+    "position": "fixed", "bottom": "16px", "right": "16px", "z-index": "1250", "width": "auto",
+    "max-width": "min(560px, calc(100vw - 32px))", "background": "var(--panel-background-color, Canvas)",
+    "box-shadow": "0 4px 18px rgb(0 0 0 / 35%)",
+}  # fmt: skip
+_SECONDS = 5.0
 _SKELETON = '<p class="quiet" role="status">Opening {} …</p>'
 
 
@@ -68,8 +74,9 @@ class Frame(pn.viewable.Viewer):
         first = self._opening.page
         self._places = [pn.Column(visible=i == first) for i in range(len(TABS))]
         self._notice = pmui.Alert(
-            object=notice, severity="error", closeable=True, visible=bool(notice), margin=(8, 10, 0, 10)
+            object=notice, severity="error", closeable=True, visible=bool(notice), margin=0, styles=_OVER_THE_PAGE
         )
+        self._said = 0  # messages so far
         self._note = html_pane("", margin=(4, 14, 0, 14))
         self._note.visible = False
         self._lifeline = Lifeline(
@@ -91,7 +98,7 @@ class Frame(pn.viewable.Viewer):
             # The part of the address after # reaches the server only from the page, before the page can be changed.
             location = pn.state.location
             pn.state.onload(lambda: self._go_to(self._first_page(location)))
-            location.param.watch(lambda event: self._go_to(event.new) if self._loaded else None, "hash")
+            location.param.watch(lambda _: self._go_to(self._first_page(location)) if self._loaded else None, "hash")
 
     def __panel__(self) -> pmui.Page:
         return self._shell
@@ -225,7 +232,7 @@ class Frame(pn.viewable.Viewer):
     def _go_to(self, address: str) -> None:
         """Show the page that an address names, and the place on it that may follow a hyphen."""
         self._loaded = True
-        name, _, self._wanted = (address.lstrip("#") or TABS[self._opening.page].address).partition("-")
+        name, _, self._wanted = (address.lstrip("#") or TABS[0].address).partition("-")
         index = tab_index(name)
         if index is None:
             return
@@ -278,8 +285,16 @@ class Frame(pn.viewable.Viewer):
         return page
 
     def _say(self, text: str, severity: str = "error") -> None:
-        """Show a message above the page; an empty text removes the last one."""
+        """Show a message over the page, one that is no error for some seconds; an empty text removes the last one."""
         self._notice.param.update(object=html.escape(text), severity=severity, visible=bool(text), closed=False)
+        self._said += 1
+        if severity != "error":
+            later(_SECONDS, functools.partial(self._forget, self._said))
+
+    def _forget(self, number: int) -> None:
+        """Take back a message, unless another one has followed."""
+        if number == self._said:
+            self._say("")
 
     def _clear_message(self) -> None:
         """Take back a message that was of an earlier action."""

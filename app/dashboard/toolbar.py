@@ -26,6 +26,7 @@ from nav_model.budget import Budget
 from nav_model.design import Design
 from nav_model.design.file import MAX_BYTES, format_design, parse_design
 from nav_model.design.other_filters import FILTERS, noise_for
+from nav_model.design.parts import labelled
 from nav_model.explore.supplier import Unit
 
 
@@ -95,7 +96,9 @@ class Toolbar(View):
             case "save":
                 design = self.session.design
                 text = format_design(design.replace({"description": description_of(design)}))
-                self.bar.give(f"{slug(self.session.design.name)}.toml", text.encode("utf-8"))
+                name = f"{slug(design.name)}.toml"
+                self.bar.give(name, text.encode("utf-8"))
+                self._say(f"Saved as {name}.", "info")
             case "open":
                 self._open(deed.get("data"), str(deed.get("name", "file")))
             case "filter" if deed.get("name") in FILTERS:
@@ -113,7 +116,7 @@ class Toolbar(View):
         try:
             self.bar.give(FILTERS[name].file_name, noise_for(self.session.design, name).encode("utf-8"))
         except InputError as error:
-            self._say(f"{FILTERS[name].label}: no file. {error}")
+            self._say(f"No file for {FILTERS[name].label}. {labelled(error)}")
 
     def _adopt_example(self, design: Design) -> None:
         if problem := self.session.adopt(design):

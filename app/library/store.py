@@ -29,6 +29,8 @@ from nav_model.design.file import format_design, parse_design
 
 MOST = {"designs": 5_000, "revisions": 20_000, "reviews": 2_000, "bytes": 200_000_000}
 """Bounds of a library. The list of 5,000 designs takes half a second, and nothing is ever removed."""
+LONGEST_SEARCH = 100
+"""Characters of a search, each word of which is looked for in every revision; the rest does not count."""
 
 
 class Conflict(InputError):
@@ -247,7 +249,7 @@ class Library:
                 ),
                 {"archived": int(archived)},
             ).mappings()
-            words = search.lower().split()
+            words = search[:LONGEST_SEARCH].lower().split()
             words_of: dict[str, list[str]] = {design: list(texts) for design, texts in tags.items()}
             if words:
                 for design, *texts in connection.execute(text("SELECT design, name, note, author FROM revisions")):

@@ -20,6 +20,7 @@ def first_screen(
     right: Sequence[Any] = (),
     bottom: Any = None,
     height: str = "calc(100dvh - 104px)",
+    fitted: bool = False,
 ) -> pn.Column:
     """Rows across the top, and below them two halves, or one whole, that fill the window under bar and strip.
 
@@ -27,7 +28,8 @@ def first_screen(
 
     Each half has one part, or two on top of each other. On a narrow window everything is in one column at its natural
     height, the second part of the left half below the right one. A ``height`` of "100%" fills a place within the
-    window, such as a view of `screen_of_views`.
+    window, such as a view of `screen_of_views`. ``fitted``: the upper right part is as high as its content, at most
+    half.
 
     Examples
     --------
@@ -44,7 +46,7 @@ def first_screen(
                 pn.Column(
                     part,
                     styles=where | FRAME,
-                    sizing_mode="stretch_both",
+                    sizing_mode="stretch_width" if fitted and column == 2 and not place else "stretch_both",
                     stylesheets=[NARROW],
                 )
             )
@@ -53,6 +55,7 @@ def first_screen(
         parts.append(pn.Column(bottom, styles=where | FRAME))
     within = height == "100%"
     sheet = _SHEET.replace("TOP", rows * "max-content ").replace("HEIGHT", height)
+    sheet = sheet.replace("ROWS", f"{'fit-content(50%)' if fitted else 'minmax(LEAST, 1fr)'} minmax(LEAST, 1fr)")
     # Two parts on top of each other in a view may need more than a low window leaves them: the view then scrolls.
     scrolls = within and max(len(left), len(right)) > 1
     sheet = sheet.replace("SIDES", "0" if within else "10px")

@@ -29,7 +29,8 @@ export function render({ model }) {
   const boxOf = (row, { key, label, example, choices }, index) => {
     const box = choices.length ? make("select") : make("input", "", { type: "text", maxLength: 300, placeholder: example })
     if (choices.length) box.append(...choices.map(([value, text]) => new Option(text, value)))
-    box.value = row[key] ?? (choices.length ? choices[0][0] : "")
+    const known = (value) => choices.some(([each]) => each === value)
+    box.value = choices.length && !known(row[key]) ? choices[0][0] : row[key] ?? ""
     row[key] = box.value
     box.dataset.place = `${index} ${key}`
     box.dataset.says = `${label}:`
@@ -41,7 +42,7 @@ export function render({ model }) {
   // Every control is named after its row: by the number where rows have an order, or by what is in its first cell.
   const nameAll = () => [...table.tBodies[0].rows].forEach((line, index) => {
     const name = !model.ordered && rows[index][model.columns[0].key] || `row ${index + 1}`
-    for (const each of line.querySelectorAll("[data-says]")) each.setAttribute("aria-label", `${each.dataset.says} ${name}`)
+    for (const each of line.querySelectorAll("[data-says]")) each.setAttribute("aria-label", each.title = `${each.dataset.says} ${name}`)
   })
   const draw = (focus) => {
     const at = place.getRootNode().activeElement, focused = focus ?? at?.dataset?.place, from = at?.selectionStart
@@ -65,8 +66,8 @@ export function render({ model }) {
         made.dataset.says = says
         tools.append(made)
       }
-      if (model.ordered) tool("Insert", "Insert above", () => begin(index))
-      tool("Remove", "Remove", () => {
+      if (model.ordered) tool("+", "Insert above", () => begin(index))
+      tool(model.ordered ? "✕" : "Remove", "Remove", () => {
         const left = rows.filter((each) => each !== row)
         if (!inForce(row)) {
           rows = left

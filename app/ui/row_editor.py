@@ -44,7 +44,6 @@ class RowEditor(PlainScript):
         columns = [field._asdict() for field in fields]
         super().__init__(columns=columns, **{"sizing_mode": "stretch_width", "margin": (4, 10), **params})
         self._on_change = on_change
-        self._keys = {field.key for field in fields if not field.read}
 
     def _handle_msg(self, msg: Any) -> None:
         rows = msg.get("rows") if isinstance(msg, dict) else None
@@ -58,9 +57,8 @@ class RowEditor(PlainScript):
 
     def put(self, rows: Rows) -> None:
         """Put rows in force, or say why not; empty texts are left out."""
-        given = [
-            {key: str(text) for key, text in row.items() if key in self._keys and str(text).strip()} for row in rows
-        ]
+        keys = {column["key"] for column in self.columns if not column["read"]}
+        given = [{key: str(text) for key, text in row.items() if key in keys and str(text).strip()} for row in rows]
         refused = self._on_change(given)
         if isinstance(refused, InputError) and (place := _PLACE.fullmatch(refused.key)):
             labels = {column["key"]: column["label"] for column in self.columns}

@@ -36,6 +36,19 @@ def defer(work: Callable[[], object]) -> None:
     pn.state.execute(run)
 
 
+def later(seconds: float, work: Callable[[], object]) -> None:
+    """Do the work after so many seconds, unless the page is closed by then; never in a script or a test."""
+    document = pn.state.curdoc
+    if document is None or document.session_context is None:
+        return
+
+    def due() -> None:
+        if _is_open(document):
+            document.add_next_tick_callback(work)
+
+    asyncio.get_running_loop().call_later(seconds, due)
+
+
 def once_loaded(work: Callable[[], object]) -> None:
     """Do the work when the first screen has reached the browser; all such work is one change.
 

@@ -131,8 +131,10 @@ def _take() -> _Process:
 
 @cache
 def _turns() -> Turns:
-    """As many runs at a time as the pool has processes, half of them for one visitor: a run may take minutes."""
-    return Turns(workers.size(), math.ceil(workers.size() / 2))
+    """As many runs at a time as the pool has processes, and two at least; half of them for one visitor, as a run may
+    take minutes."""
+    places = max(2, workers.size())
+    return Turns(places, math.ceil(places / 2))
 
 
 def _work(ends: Connection, begin: Callable[[], None] | None) -> None:

@@ -33,8 +33,9 @@ if TYPE_CHECKING:
 _REST = 0.3  # seconds without a change until a design is flown
 OF_DESIGN = "flight"
 """The kind of these results in the cache of the server (`app.work.result_cache`)."""
-_MOST_STEPS = 30_000  # seconds of work, and memory, of one person
-_SHORT = 1500  # fixes
+_MOST_STEPS = 30_000  # fixes
+_MOST_WEIGHTS, _WEIGHTS_OF_A_FIX = 1_000_000, 20  # fixes of all apertures, with as many for each of the flight
+_SHORT, _FEW = 1500, 100_000  # the same of a flight for the pool
 _seconds_per_fix = 8e-4  # as measured on two shared cores; then that of the last long flight of this process
 
 
@@ -125,9 +126,7 @@ def follow(
 
     global _seconds_per_fix
     flight = read_file(file, design) if file else planned(design)
-    if flight.duration > _MOST_STEPS * design.gnss.interval:
-        message = f"{flight.duration:g} s have more than {_MOST_STEPS} fixes: too long for this page; "
-        raise InputError("Flight", message + "use the command `navbudget trajectory`")
+    check_length(flight, design)
     fixes = flight.duration / design.gnss.interval
     progress(0.0, f"Following {fixes:.0f} fixes, about {max(fixes * _seconds_per_fix, 1.0):.0f} s")
     began = time.monotonic()
@@ -149,6 +148,29 @@ def follow(
     )
 
 
+def check_length(flight: PlannedFlight, design: Design, most: int = _MOST_STEPS) -> None:
+    """Refuse a flight of more than `most` fixes, or whose apertures have too many, with an InputError."""
+    from nav_model.budget.inputs import inputs_of
+
+    reason = ""
+    if flight.duration > most * design.gnss.interval:
+        reason = f"{flight.duration:g} s have more than {most} fixes"
+    elif (
+        _weights(design, flight.duration) + _WEIGHTS_OF_A_FIX * flight.duration / design.gnss.interval > _MOST_WEIGHTS
+    ):
+        reason = f"{flight.duration:g} s have too many fixes for an aperture of {inputs_of(design).aperture:.3g} s"
+    if reason:
+        raise InputError("Flight", f"{reason}: too long for this page; use the command `navbudget trajectory`")
+
+
+def _weights(design: Design, duration: float) -> float:
+    """Fixes of the apertures of all results along a flight."""
+    from nav_model.budget.inputs import inputs_of
+    from nav_model.trajectory.design_study import MOST_RESULTS
+
+    return float(inputs_of(design).aperture) / design.gnss.interval * min(duration, MOST_RESULTS)
+
+
 def read_file(file: File, design: Design) -> PlannedFlight:
     """The flight of a file, flown as the design flies its plan."""
     from nav_model.trajectory.design_study import plan_like
@@ -159,13 +181,16 @@ def read_file(file: File, design: Design) -> PlannedFlight:
 
 
 def follow_if_short(design: Design) -> Followed | None:
-    """`follow` of a flight of few enough fixes for the pool, whose processes are not ended; None of a longer one.
+    """`follow` of a flight of few enough fixes and short apertures for the pool, whose processes are not
+    ended; None of a longer one.
 
     Raises InputError as `follow`.
     """
     from nav_model.trajectory.design_study import planned
 
-    return follow(design) if planned(design).duration <= _SHORT * design.gnss.interval else None
+    duration = planned(design).duration
+    short = duration <= _SHORT * design.gnss.interval and _weights(design, duration) <= _FEW
+    return follow(design) if short else None
 
 
 async def followed(

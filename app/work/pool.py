@@ -5,6 +5,7 @@ import functools
 import math
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -13,11 +14,13 @@ from pathlib import Path
 from typing import TypeVar, TypeVarTuple
 
 from app.work.turns import Turns
+from nav_model.base.errors import InputError
 from nav_model.base.processes import kill_workers, worker_pool
 
 _A = TypeVarTuple("_A")
 _T = TypeVar("_T")
 
+_LONGEST_READING = 20.0  # s of a processor; the largest files take some 5
 _NICENESS = 10  # of heavy work: a tenth of the share of a slider step, where both want the same core
 
 _size = 0  # 0: nothing was asked for
@@ -106,6 +109,33 @@ async def run_in_pool(function: Callable[[*_A], _T], *arguments: *_A) -> _T:
     with counted():
         async with _turns().place(visitor()):
             return await _run(function, *arguments)
+
+
+async def read_in_pool(function: Callable[[*_A], _T], *arguments: *_A) -> _T:
+    """Run a reader of a visitor's file as `run_in_pool` does, for `_LONGEST_READING` at most.
+
+    Raises
+    ------
+    InputError
+        Beside what the reader raises, for a file that takes longer.
+    """
+    return await run_in_pool(_within_bounds, function, *arguments)
+
+
+def _within_bounds(function: Callable[[*_A], _T], *arguments: *_A) -> _T:
+    """Call a function, and end it where it takes too much processor time."""
+    if not hasattr(signal, "setitimer"):  # Windows
+        return function(*arguments)
+
+    def end(*_: object) -> None:
+        raise InputError("file", f"takes more than {_LONGEST_READING:g} s to be read. Give less of it.")
+
+    signal.signal(signal.SIGPROF, end)
+    signal.setitimer(signal.ITIMER_PROF, _LONGEST_READING)
+    try:
+        return function(*arguments)
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
 
 
 async def _run(function: Callable[[*_A], _T], *arguments: *_A) -> _T:

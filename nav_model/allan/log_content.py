@@ -22,7 +22,7 @@ _SIX_COLUMN_NAMES = ("counts", "imu", "data", "samples", "log")
 # A comment states the rate of the samples if it holds no other word than these, a number and a unit.
 _RATE_WORDS = re.compile(
     r"[\s/#%]*(?:(?:imu|log|data|sensor|samples?|sampled|sampling|recorded|recording|logged|logging|output|update|odr|"
-    r"rate|frequency|freq|fs|at|of|the|is|was|k?hz|sps)(?![a-z])[\s:=_,;()\[\]]*)+([0-9.]+(?:e[-+]?\d+)?)\s*(k?hz|sps)?[\s.,;]*"
+    r"rate|frequency|freq|fs|at|of|the|is|was|k?hz|sps)(?![a-z])[\s:=_,;()\[\]]*)+(\d+\.?\d*(?:e[-+]?\d\d?)?|\.\d+)\s*(k?hz|sps)?[\s.,;]*"
 )
 _LONGEST_COMMENT = 200
 _MOST_SENSORS = 16  # in one table; a column with more values counts something else

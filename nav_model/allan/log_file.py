@@ -20,6 +20,7 @@ from nav_model.design.file import read_bytes
 
 RATE_TOLERANCE = 0.01
 _RATES = (1e-3, 1e7)  # Hz
+_SHORTEST = 1e-300  # s between stamps: some are closer than the inverse of any number
 _LIKELY_RATES = (5.0, 2e4)  # Hz, of a log whose stamps have no unit
 _LARGEST = 1e9  # rad/s or m/s²: no sensor measures more, and its square would overflow
 _LEAST_FORCE = 0.5  # of gravity
@@ -201,7 +202,7 @@ class _Reader:
             unit = _time_unit(column.label, stamped, sampling.interval_s, rate)
             reading = "" if unit == "s" else f", taken as {unit}"
         size = scale_of("time", unit).factor
-        rate, jitter = 1.0 / (sampling.interval_s * size), sampling.jitter_s * size
+        rate, jitter = 1.0 / max(sampling.interval_s * size, _SHORTEST), sampling.jitter_s * size
         rows_of_time = _rows_of_time(stamped)
         return _Clock(
             rate, sampling.breaks, sampling.lost, jitter, values * size, column.label, reading, rows_of_time

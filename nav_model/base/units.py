@@ -100,6 +100,8 @@ def parse_exact(
         raise InputError(_KEY, refused, text)
     unit = stripped[match.end() :]
     if not unit.strip():
+        if dimension == "ratio":
+            return _decimal(match[0], text), table.default_unit
         example = join_quantity(match[0], table.examples[0].lstrip("-.0123456789e "))
         raise InputError(_KEY, f"{quoted(text)} has no unit. Write for example {example}.", text)
     if re.match(r",\d", unit):
@@ -301,6 +303,16 @@ def _plain_decimal(number: Decimal) -> str:
         return f"{number:f}"
     mantissa, _, exponent = f"{number:e}".partition("e")
     return f"{mantissa}e{int(exponent)}"
+
+
+def clock(seconds: float) -> str:
+    """A time as minutes and seconds.
+
+    >>> clock(489.6), clock(7.0)
+    ('8:10', '0:07')
+    """
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes}:{rest:02d}"
 
 
 def time_in_words(seconds: float) -> str:

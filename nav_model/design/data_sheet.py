@@ -74,7 +74,8 @@ def read_data_sheet(text: str) -> SheetValues:
 def _rows(text: str) -> Iterator[str]:
     """The parts of a text that have a number, each with what stands before it since the last one."""
     row = ""
-    for part in _BETWEEN.split(text.replace("|", " ")):
+    lines = (" ".join(line.split()) for line in text.replace("|", " ").splitlines())  # a run of blanks is one
+    for part in _BETWEEN.split("\n".join(lines)):
         row = " ".join(f"{row} {part}".split())
         if re.search(r"\d", part):
             yield row[:200]

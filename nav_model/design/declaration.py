@@ -261,7 +261,7 @@ class BaseQuantity(Declared, param.Number[_T]):
             if words and where.partition(".")[0] in _NO_ERRORS:
                 reason = f"{quoted(text)} states an accuracy, but the {in_sentence(self.label)} is not a 1σ"
                 raise InputError(where, f"{reason}. Write {unit.partition(' ')[0]} alone.", text)
-            if "vertical" in where and re.search(r"CEP|DRMS|CE\d|R\d", words):
+            if "vertical" in where and re.search(r"CEP|DRMS|HRMS|CE\d|R\d", words):
                 raise InputError(where, f"{quoted(text)} is of a circle. Write for example LE90 or 95 %.", text)
         except InputError as error:
             raise InputError(where, error.reason, text) from error

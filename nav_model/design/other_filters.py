@@ -83,9 +83,7 @@ def _kalibr(design: Design) -> str:
     gyro, accelerometer = _noises(design)
     for key, noise in (("imu.gyro_bias", gyro), ("imu.accelerometer_bias", accelerometer)):
         if noise.walk == 0:
-            raise InputError(
-                key, "kalibr needs a random walk above zero, and this bias is zero. Enter it, or an instability."
-            )
+            raise InputError(key, "kalibr needs a bias above zero. Enter the in-run bias, or an instability.")
     return (
         f"{_HEAD}accelerometer_noise_density: {_real(accelerometer.density)}  # m/s^2/sqrt(Hz)\n"
         f"accelerometer_random_walk: {_real(accelerometer.walk)}  # m/s^3/sqrt(Hz), {_moving(accelerometer)}\n"

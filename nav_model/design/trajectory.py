@@ -172,12 +172,12 @@ class Trajectory(Part):
         columns=_LIMIT_COLUMNS,
         short="tli",
         example="line 1, detrended_phase=10°; line 2, ce90=2 m, tilt=0.01°",
-        label="Limits of lines",
-        doc="Limits for one line that replace the requirements, at the same confidence.",
+        label="Line limits",
+        doc="Stricter or looser limits for single lines, at the same confidence.",
         since="0.1.0",
     )
     bank_limit = _number(
-        None, "°", "angle", (1 * DEGREE, 90 * DEGREE), "tbl", "Fixes lost beyond",
+        None, "°", "angle", (1 * DEGREE, 90 * DEGREE), "tbl", "Fixes lost above bank angle",
         "Bank angle beyond which the antenna loses the satellites.", "20° to 45°", (10 * DEGREE, 60 * DEGREE),
     )  # fmt: skip
     after_loss = Table(
@@ -188,7 +188,7 @@ class Trajectory(Part):
         most=5,
         short="tal",
         example="10, 1.5; 30, 0.3",
-        label="After each loss",
+        label="Outage after each loss",
         doc=(
             "Duration [s] and position noise [m] of each solution after an outage, such as code, then float, "
             "until fixed ambiguities return."
@@ -264,3 +264,11 @@ class Trajectory(Part):
                 if limit is not None:
                     least[name] = min(limit, least.get(name, limit))
         return least
+
+
+def line_names(design: Any) -> tuple[str, ...]:
+    """Names of the lines of a design's plan, in their order."""
+    plan = design.trajectory
+    if plan.flight == LINES:
+        return tuple(f"line {number + 1}" for number in range(int(plan.lines)))
+    return tuple(filter(None, (row[3] for row in plan.waypoints))) if plan.flight == WAYPOINTS else ()

@@ -28,7 +28,7 @@ from nav_model.trajectory.waypoints import Plan, Waypoint, lengthened, strip
 _SAME = 0.005
 _SAME_AFTER = 0.01
 _WAITS = 24  # to a thousandth of the leg after an aperture
-_MOST_RESULTS = 1200  # along a flight
+MOST_RESULTS = 1200  # along a flight
 PLAN = "plan"
 """Name of a design's own flight among those that the commands fly."""
 
@@ -82,7 +82,7 @@ def planned(design: Design, number: int = 0, longer: float = 0.0) -> PlannedFlig
 
 
 def along_flight(design: Design, flight: PlannedFlight) -> CovarianceSpec:
-    """The covariance along a flight of the design, with the outages of its plan and at most `_MOST_RESULTS`.
+    """The covariance along a flight of the design, with the outages of its plan and at most `MOST_RESULTS`.
 
     Raises InputError as `simulation.design_study.specification` and `covariance_specification`.
     """
@@ -92,7 +92,7 @@ def along_flight(design: Design, flight: PlannedFlight) -> CovarianceSpec:
         runs=1,
         duration=flight.duration,
         outages=design.trajectory.outages,
-        every=max(1.0, round(flight.duration / _MOST_RESULTS)),
+        every=max(1.0, round(flight.duration / MOST_RESULTS)),
     )
     # A straight flight that is no plan judges only what the straight leg does not.
     every = design.trajectory.planned or flight.trajectory.kind != "straight"

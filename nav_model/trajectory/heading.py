@@ -35,6 +35,6 @@ def heading_of(spec: CovarianceSpec, truth: TruthStates, sigma: FloatArray) -> H
         cause = "two antennas" if two else "a turn" if has_turned else "acceleration against the fixes"
     elif not two:
         fixes = ", fixes of velocity," if gnss.velocity_noise is None else ""
-        sharper, turn = f"sharper turns{fixes} or two antennas", "a turn of 90° or more, or a change of speed"
-        advice = f"The plan lacks {sharper if turning.any() else f'{turn}, before the first line'}."
+        turn = "a turn of 90° or more, or a change of speed, before the first line"
+        advice = f"Add {f'sharper turns{fixes} or two antennas' if turning.any() else turn}."
     return Heading(float(sigma[0]), float(sigma.min()), float(sigma[-1]), at, cause, advice)

@@ -46,7 +46,7 @@ def length_in_words(line: LineResult) -> str:
         return f"may be more than {time_in_words(MOST_RESERVE)} longer"
     if line.closes:
         return f"may be {time_in_words(line.reserve_s)} longer"
-    return f"at most {time_in_words(line.longest_s)} long" if line.longest_s else "no length holds"
+    return f"up to {time_in_words(line.longest_s)}" if line.longest_s else "no line is short enough"
 
 
 def along(start: float, stop: float, spec: CovarianceSpec, time_s: FloatArray, *, image: bool) -> NDArray[np.bool_]:
@@ -108,7 +108,7 @@ def _judged(
     if beyond:
         fails_at, _, fails_by, output, to_the_end = min(beyond)
         shares = chosen.shares[fails_by][:, output]
-        cause = f"{'mostly' if shares.max() > 0.5 else 'largest part'} {sources[int(shares.argmax())]}"
+        cause = f"{'mainly from' if shares.max() > 0.5 else 'largest part from'} {sources[int(shares.argmax())]}"
         because = f"{_passed(fails_by, most[fails_by], fails_at, None if to_the_end else within[fails_by])}; {cause}"
     return LineResult(
         name=line.name,
@@ -169,7 +169,7 @@ def _passed(name: str, limit: float, fails_at: float, within: float | None) -> s
     if within is not None:
         first = f"after {time_in_words(fails_at)}" if fails_at else "at its start"
         share = f"{max(1.0 - within, 0.01):.0%}".replace("%", " %")
-        return f"{figure_in_sentence(name)} is beyond {level} for {share} of the line, first {first}"
+        return f"{figure_in_sentence(name)} exceeds {level} for {share} of the line, first {first}"
     if fails_at == 0.0:
-        return f"{figure_in_sentence(name)} is beyond {level} from the start"
-    return f"{figure_in_sentence(name)} passes {level} after {time_in_words(fails_at)}"
+        return f"{figure_in_sentence(name)} exceeds {level} from the start"
+    return f"{figure_in_sentence(name)} exceeds {level} after {time_in_words(fails_at)}"

@@ -336,7 +336,7 @@ def _manoeuvres(question: _Question) -> Iterator[Iterable[_Candidate]]:
     run_ins: tuple[Mapping[str, Way], ...] = (
         {f"Run-in of {time / 60:.0f} min": partial(before_line, run_in=time) for time in _RUN_INS},
         {
-            f"Acceleration by {faster - 1:.0%} and back": partial(before_line, run_in=_HOLD, faster=faster)
+            f"Speed up by {faster - 1:.0%} and back": partial(before_line, run_in=_HOLD, faster=faster)
             for faster in _FASTER
         },
     )

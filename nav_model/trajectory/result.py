@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.constants import EARTH_RATE
+from nav_model.base.units import time_in_words
 from nav_model.budget.inputs import Inputs
 from nav_model.budget.json import verdict_json
 from nav_model.budget.real_time import RealTime
@@ -141,8 +142,8 @@ class Heading:
         start, best, end = (f"{math.degrees(confidence * value):.3g}°" for value in values)
         if self.observable_s is None:
             return f"Heading is not observed: {start} at the start, {end} at the end. {self.advice}".strip()
-        when = f"from {self.observable_s:.0f} s on, by {self.cause}"
-        return f"Heading is observed {when}: {best} at best, {end} at the end."
+        when = f" from {time_in_words(self.observable_s)} on" if self.observable_s else ""
+        return f"Heading is observed{when} by {self.cause}: {best} at best, {end} at the end."
 
 
 @dataclass(frozen=True)

@@ -116,11 +116,11 @@ def swath_in_words(swath: Swath | None) -> str:
     if swath is None:
         return ""
     if swath.near_m is None or swath.far_m is None:
-        return "The limits are kept at no range from 20° to 70° of grazing angle."
+        return "No slant range from 20° to 70° of grazing angle meets the limits."
 
     def range_text(slant_range: float) -> str:
         return f"{slant_range / 1000:.3g} km ({math.degrees(math.asin(min(swath.height_m / slant_range, 1.0))):.0f}°)"
 
-    limits = f"The limits are kept from near range {range_text(swath.near_m)} to far range {range_text(swath.far_m)}"
+    limits = f"The limits are met from near range {range_text(swath.near_m)} to far range {range_text(swath.far_m)}"
     ends = (f" {where}, {by}." for where, by in (("Nearer", swath.near_by), ("Farther", swath.far_by)) if by)
     return f"{limits}, {swath.height_m / 1000:.3g} km above the scene.{''.join(ends)}"

@@ -347,8 +347,10 @@ def test_noise_for_another_filter_is_shared(plain: Page) -> None:
     with plain.expect_download() as waiting:
         plain.get_by_role("button", name="KF-GINS: imunoise").click()
     assert content(waiting.value).decode() == noise_for(example("mems_x_band"), "kf-gins")
+    expect(plain.get_by_role("button", name="kalibr: imu.yaml")).to_be_hidden()  # the menu has closed
+    plain.get_by_role("button", name="Share").click()
     plain.get_by_role("button", name="kalibr: imu.yaml").click()
-    expect(plain.get_by_text("kalibr: no file. imu.gyro_bias: kalibr needs")).to_be_visible()
+    expect(plain.get_by_text("No file for kalibr. Residual gyro bias: kalibr needs")).to_be_visible()
 
 
 def test_a_vendors_table_is_taken_into_the_design(desk: Page) -> None:
@@ -363,3 +365,26 @@ def test_a_vendors_table_is_taken_into_the_design(desk: Page) -> None:
     desk.get_by_role("button", name="Which noise does it imply?").click()
     desk.get_by_role("button", name="Use in the design").click()
     expect(desk.get_by_text("Implied noise and its source copied to the design.")).to_be_visible()
+
+
+def test_a_notice_moves_nothing_and_goes_and_a_menu_closes_with_escape_and_with_its_page(visit: Visit) -> None:
+    page = visit()
+    tiles = page.locator(".bk-Figure:visible").first
+    place = tiles.bounding_box()
+    page.get_by_role("button", name="Open", exact=True).click()
+    page.get_by_role("button", name="L band from a jet").click()
+    notice = page.get_by_text("is open. Undo brings the last design back.")
+    expect(notice).to_be_visible()
+    assert tiles.bounding_box() == place
+    expect(notice).to_be_hidden(timeout=60_000)
+    page.get_by_role("slider", name="Angle random walk").focus()  # no text, whose own undo it would be
+    page.keyboard.press("Control+z")
+    expect(page.get_by_role("textbox", name="Design", exact=True)).to_have_value("MEMS IMU at X band")
+    pdf = page.get_by_role("button", name="PDF report")
+    for leave in (lambda: page.keyboard.press("Escape"), lambda: page.get_by_role("tab", name="Review").click()):
+        page.get_by_role("button", name="Report", exact=True).click()
+        expect(pdf).to_be_visible()
+        leave()
+        expect(pdf).to_be_hidden()
+    page.get_by_role("tab", name="Budget", exact=True).click()
+    expect(tiles).to_be_visible()

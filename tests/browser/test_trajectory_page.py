@@ -50,8 +50,6 @@ def test_a_strip_is_judged_line_by_line_and_a_plan_from_a_file_too(
     plan = tmp_path / "plan.gpx"
     plan.write_text(_PLAN, encoding="utf-8")
     page.get_by_role("button", name="Plan", exact=True).click()
-    _choose(page, "From a file")
-    expect(answer).to_contain_text("Plan not flown")
     page.locator('input[type="file"][accept*=".gpx"]').set_input_files(plan)
     expect(answer).to_contain_text("fails on first")
     latitude = page.get_by_label("Latitude [°]: row 2", exact=True)

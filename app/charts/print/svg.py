@@ -113,8 +113,10 @@ def _curves(axes: Any, chart: Chart) -> None:
     for span in chart.spans:
         if not math.isnan(span.start):
             colour, label = STYLES[span.style or "everything"].colour, "" if span.style else span.label
-            axes.axvspan(span.start, span.stop, label=label, color=colour, alpha=0.18, linewidth=0)
-            if span.style:  # one of several, each by its own name
+            axes.axvspan(
+                span.start, span.stop, label=label, color=colour, alpha=0.08 if span.faint else 0.18, linewidth=0
+            )
+            if span.style and span.label:  # one of several, each by its own name
                 place = {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "bottom"}
                 axes.text((span.start + span.stop) / 2, 1.01, span.label, fontsize=7.5, **place)
     for band in chart.bands:

@@ -6,7 +6,7 @@ Logarithmic axes are ticked at powers of ten as 10ⁿ, and at 2 and 5 between th
 from pathlib import Path
 from typing import Any
 
-from bokeh.models import CustomJSTicker, CustomJSTickFormatter, LogAxis
+from bokeh.models import AdaptiveTicker, Axis, CustomJSTicker, CustomJSTickFormatter, LogAxis
 from bokeh.plotting import figure
 
 from app.charts.kinds import Chart, MapChart, TradeMapChart
@@ -16,6 +16,7 @@ TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
 _LABELS, _MAJOR, _MINOR = (
     Path(__file__).with_name(f"{name}.js").read_text("utf-8") for name in ("power_labels", "log_major", "log_minor")
 )
+_CLOCK = Path(__file__).with_name("clock.js").read_text("utf-8")
 # The page's theme sets chart text in em; this is what an em is.
 _TEXT_SIZE = {"font-size": "13px", "--bokeh-font-size": "13px"}
 
@@ -39,6 +40,13 @@ def mark_in_powers(axis: LogAxis) -> None:
     """Tick and label a logarithmic axis."""
     axis.ticker = CustomJSTicker(major_code=_MAJOR, minor_code=_MINOR)
     axis.formatter = CustomJSTickFormatter(code=_LABELS)
+
+
+def in_minutes(axis: Axis) -> None:
+    """Tick an axis of seconds at whole minutes, or parts of them, and label it so: "8:10"."""
+    axis.ticker = AdaptiveTicker(base=60, mantissas=[1, 2, 5, 10, 15, 30])
+    axis.formatter = CustomJSTickFormatter(code=f"{_CLOCK}\nreturn clock(tick)")
+    axis.axis_label = "time [min:s]"
 
 
 def line_look(style: Style) -> dict[str, Any]:

@@ -67,6 +67,7 @@ class DrawnChart:
             if box.visible:
                 box.update(left=span.start, right=span.stop)
                 label.x = span.start
+        self.plot.match_aspect = chart.square and self.plot.sizing_mode == "stretch_both"
         if chart.y_range is not None:
             start, end = chart.y_range
             self.plot.y_range.update(start=start, end=end, reset_start=start, reset_end=end)
@@ -163,7 +164,6 @@ def _curves(chart: Chart, height: int | None) -> DrawnChart:
     )
     if height is None:
         fill(plot)
-        plot.match_aspect = chart.square
     elif chart.square:
         wide = height + _BESIDE  # so that the frame itself is square
         plot.update(sizing_mode="scale_width", max_width=wide, aspect_ratio=wide / height)

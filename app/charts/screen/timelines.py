@@ -14,8 +14,8 @@ from bokeh.models import Line as LineGlyph
 from bokeh.models import Span as Rule
 from bokeh.plotting import figure
 
-from app.charts.kinds import Chart, Line, Span
-from app.charts.screen.axes import empty_figure, line_look
+from app.charts.kinds import CLOCK, Chart, Line, Span
+from app.charts.screen.axes import empty_figure, in_minutes, line_look
 from app.charts.screen.figures import CHIP, add_glyph, unit_of
 from app.charts.screen.sources import Sources
 from app.charts.styles import GREY, INK, STYLES, behind_text
@@ -27,7 +27,7 @@ _HEIGHT = 190  # pixels of a frame on the usual screen
 _NEAR = 0.15  # of the height: nearer labels would touch, and the lower one goes below its curve
 _FAINT: dict[str, Any] = {"line_alpha": 0.4, "line_width": 1.4}
 _STEPS = (1.0, 2.0, 5.0, 10.0)
-_READ_OUT = Path(__file__).with_name("read_out.js").read_text("utf-8")
+_READ_OUT = "".join(Path(__file__).with_name(name).read_text("utf-8") for name in ("clock.js", "read_out.js"))
 _Range = tuple[float, float]
 
 
@@ -97,21 +97,16 @@ class Timelines:
             look = {"text_baseline": "bottom", "y_offset": -1}
             glyph = Text(x="x", y="y", text="text", background_fill_color=INK, **CHIP, **look)
             add_glyph(plot, source, glyph).level = "overlay"  # which is not clipped: above the frame, over no curve
-        texts = [
-            {
-                "lines": [(line.label, _column(chart, line.key)) for line in chart.lines],
-                "unit": unit_of(chart.x_label),
-                "rows": _rows(chart),
-            }
-            for chart in charts
-        ]
         curves, axes = self._sources["timelines"], [plot.yaxis[0] for plot in self.plots]
-        arguments = {"curves": curves, "plots": list(self.plots), "axes": axes, "sources": sources, "charts": texts}
+        arguments = {"curves": curves, "plots": list(self.plots), "axes": axes, "sources": sources}
+        self._told = CustomJS(args={**arguments, "charts": _texts(charts)}, code=_READ_OUT)
         for plot in self.plots:
-            plot.js_on_event(MouseMove, CustomJS(args=arguments, code=_READ_OUT))
-            plot.js_on_event(MouseLeave, CustomJS(args=arguments, code=_READ_OUT))
+            for event in (MouseMove, MouseLeave):
+                plot.js_on_event(event, self._told)
 
     def _feed_frame(self, charts: Sequence[Chart], heights: Sequence[_Range]) -> None:
+        if (texts := _texts(charts)) != self._told.args["charts"]:  # such as another quantity's
+            self._told.args = {**self._told.args, "charts": texts}
         start, end = _ends(charts)
         self._x_range.update(start=start, end=end, reset_start=start, reset_end=end)
         for plot, chart, (low, high) in zip(self.plots, charts, heights, strict=True):
@@ -137,7 +132,9 @@ class Timelines:
         )
         plot.toolbar.autohide = True
         plot.xaxis.visible = last
-        strips = VStrip(x0="x0", x1="x1", fill_color="colour", fill_alpha=0.2, line_alpha=0)
+        if last and chart.x_label == CLOCK:
+            in_minutes(plot.xaxis[0])
+        strips = VStrip(x0="x0", x1="x1", fill_color="colour", fill_alpha="alpha", line_alpha=0)
         add_glyph(plot, self._sources[f"{chart.key} spans"], strips)
         for line in chart.lines:
             look = line_look(STYLES[line.style])
@@ -154,6 +151,19 @@ class Timelines:
         add_glyph(plot, self._sources[f"{chart.key} labels"], label)
         plot.add_tools(crosshair)
         return plot
+
+
+def _texts(charts: Sequence[Chart]) -> list[dict[str, Any]]:
+    """The words of the read-out."""
+    return [
+        {
+            "lines": [[line.label, _column(chart, line.key)] for line in chart.lines],
+            "unit": unit_of(chart.x_label),
+            "clock": chart.x_label == CLOCK,
+            "rows": _rows(chart),
+        }
+        for chart in charts
+    ]
 
 
 def _rows(chart: Chart) -> int:
@@ -183,6 +193,7 @@ def _columns(charts: Sequence[Chart], heights: Sequence[_Range]) -> dict[str, di
             "x0": [span.start for span in chart.spans],
             "x1": [span.stop for span in chart.spans],
             "colour": [_colour(span) for span in chart.spans],
+            "alpha": [0.08 if span.faint else 0.2 for span in chart.spans],
         }
         columns[f"{chart.key} labels"] = _labels(chart, height, chart is charts[-1])
     return columns
@@ -212,17 +223,37 @@ def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
         (x, y, line.end or line.label, behind_text(STYLES[line.style].colour), offset, -2.0, 0.0, "right")
         for (x, y, line), offset in zip(ends, offsets, strict=True)
     ]
+    for points in chart.points:  # moments, named at the foot of the frame
+        rows += [
+            (
+                x,
+                height[0],
+                name,
+                behind_text(STYLES[points.style].colour),
+                -2.0,
+                0.0,
+                0.0,
+                _towards_the_middle(chart, x),
+            )
+            for x, name in zip(points.x, points.names, strict=True)
+        ]
     if last:
         for span in chart.spans:
-            if span.style:
+            if span.style and span.label:
                 middle = (span.start + span.stop) / 2
                 rows.append((middle, height[0], span.label, behind_text(_colour(span)), -2.0, 0.0, 0.0, "center"))
-            elif math.isfinite(span.start):
+            elif not span.style and math.isfinite(span.start):
                 wide = span.stop - span.start > _NARROW_SPAN * np.ptp(chart.lines[0].x)
                 x, shift = (span.start, 14.0) if wide else ((span.start + span.stop) / 2, 6.0)
                 rows.append((x, height[1], span.label, behind_text(GREY), 6.0, shift, math.pi / 2, "right"))
     names = ("x", "y", "text", "colour", "offset", "shift", "angle", "align")
     return {name: [row[i] for row in rows] for i, name in enumerate(names)}
+
+
+def _towards_the_middle(chart: Chart, x: float) -> str:
+    """Alignment of a name at a time, so that the frame does not cut it."""
+    start, end = _ends([chart])
+    return "left" if x < start + 0.1 * (end - start) else "right" if x > end - 0.1 * (end - start) else "center"
 
 
 def _colour(span: Span) -> str:

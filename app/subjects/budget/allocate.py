@@ -16,6 +16,7 @@ from app.library.texts import counted
 from app.session import Session
 from app.subjects.budget.tables import CONTRIBUTORS_ENTER
 from app.ui.answer_strip import AnswerStrip
+from app.ui.fields import TextInput
 from app.ui.html_pane import html_pane
 from app.ui.row_editor import Field, RowEditor, Rows
 from app.ui.theme import PRINT_NOTHING
@@ -83,7 +84,7 @@ class AllocatePage(View):
             _CONTRIBUTOR, lambda rows: self._enter("contributors", rows), noun="contributor", caption="Contributors"
         )
         self._made = pmui.Select(label="Typical contributors", options=list(READY_MADE), **_BOX)
-        self._boxes = [pmui.TextInput(max_length=50, **_BOX | {"width": 330}) for _ in range(2)]
+        self._boxes = [TextInput(max_length=50, **_BOX | {"width": 330}) for _ in range(2)]
         make = pmui.Button(label="Add", variant="outlined", margin=(10, 10))
         make.on_click(lambda _: self._make())
         self._added_note = html_pane("")
@@ -99,7 +100,7 @@ class AllocatePage(View):
         self._requirement = pmui.Select(label="Requirement", **_BOX)
         splits = {words.capitalize(): split for split, words in SPLIT_WORDS.items()}
         self._split = pmui.Select(label="Split", options=splits, **_BOX)
-        self._reserve = pmui.TextInput(label="Reserve", max_length=20, **_BOX)
+        self._reserve = TextInput(label="Reserve", max_length=20, **_BOX)
         self._entries = RowEditor(_ENTRY, self._lock, caption="Allocation")
         self._outcome = html_pane("")
         self._following = False
@@ -200,6 +201,8 @@ class AllocatePage(View):
 
     def _lock(self, rows: Rows) -> InputError | None:
         sources = [row["source"] for row in self._entries.rows]
+        if len(rows) != len(sources):
+            return InputError("locks", "The rows have changed meanwhile. Enter the lock again.")
         return self._plan({source: row["lock"] for source, row in zip(sources, rows, strict=True) if "lock" in row})
 
     def _plan(self, locks: dict[str, str] | None = None) -> InputError | None:

@@ -12,6 +12,7 @@ from app.document.numbers import NONE, number, show
 from app.document.pane import html_of
 from app.document.wording import input_in_words
 from app.session import Session
+from app.ui.fields import TextArea
 from app.ui.html_pane import html_pane
 from app.ui.theme import PRINT_NOTHING
 from app.ui.view import View
@@ -93,7 +94,7 @@ class VendorPanel(View):
         whole = [name for name, entry in catalogue("imu").items() if walks <= entry.values.keys()]
         self.param.unit.objects = [_OWN, *whole]
         self.table = html_pane("")
-        self.rows = pmui.TextAreaInput(
+        self.rows = TextArea(
             label="A vendor's table in real time, a row a line", placeholder=_EXAMPLE, rows=3, max_length=3000,
             sizing_mode="stretch_width", margin=(12, 10, 4, 10),
         )  # fmt: skip

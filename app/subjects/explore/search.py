@@ -23,13 +23,14 @@ from app.subjects.explore.ranking import Ranking, ranked
 from app.subjects.explore.tables import search_answer, search_table
 from app.ui.chart_pane import source_note
 from app.ui.downloads import download
+from app.ui.fields import TextInput
 from app.ui.first_screen import first_screen
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.study_settings import StudySettings
 from app.ui.theme import SWITCH
 from app.ui.upload import upload
-from app.work.pool import run_in_pool
+from app.work.pool import read_in_pool, run_in_pool
 from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.base.text.csv_text import csv_of
@@ -95,7 +96,7 @@ class SearchPanel(Question):
         self._settings = StudySettings(session, "search", self, ("own", "biases"), lambda: None)
 
     def __panel__(self) -> pn.Column:
-        words = pmui.TextInput(
+        words = TextInput(
             label=self.param.words.label, placeholder="passes fiber", max_length=100, width=180,
             margin=(8, 8), size="small",
         )  # fmt: skip
@@ -164,7 +165,7 @@ class SearchPanel(Question):
     def _fill(self) -> None:
         """Show the first rows that hold every word of the filter."""
         words = self.words.lower().split()
-        rows = [row for row in self._ranking.rows if all(word in self._text(row) for word in words)]
+        rows = [row for row in self._ranking.rows if _holds(self._text(row), words)]
         yours = f"Your IMU ({preset_name(self.session.design, 'imu')})"
         block = search_table(self.session.design, rows[:_MOST_ROWS], self.own, self._ranking.in_design, yours)
         self._table.html = html_of(block) if self._ranking.rows else ""
@@ -200,7 +201,7 @@ class SearchPanel(Question):
         self._keep.disabled = True
         try:
             text = content.decode("utf-8-sig")
-            self._add(await run_in_pool(read_offers, text))
+            self._add(await read_in_pool(read_offers, text))
             self._opened_file, self._keep.disabled = (name, text), False
         except UnicodeDecodeError as error:
             self._say(f"Not opened. Save the file as UTF-8 text: byte {error.start} is not UTF-8.", wrong=True)
@@ -264,6 +265,10 @@ class SearchPanel(Question):
 
     def _csv(self) -> str:
         return csv_of(candidate(row, offers=True) for row in self._ranking.rows)
+
+
+def _holds(text: str, words: Iterable[str]) -> bool:
+    return all(word in text for word in words)
 
 
 def _listed(names: Iterable[str]) -> str:

@@ -1,7 +1,6 @@
 """The comparison's part of the Review page: up to six revisions side by side."""
 
 import panel as pn
-import panel_material_ui as pmui
 import param
 
 from app.declared import declared, required
@@ -16,6 +15,7 @@ from app.report import report_bytes
 from app.report.comparison import closing_words, difference_tables, phase_comparison, position_comparison
 from app.subjects.review.desk import LOOK, Desk, listed
 from app.ui.chart_pane import ChartPane, described, source_note
+from app.ui.fields import TextInput
 from app.ui.html_pane import html_pane
 from app.ui.theme import FRAME
 from app.ui.view import View
@@ -37,9 +37,7 @@ class CompareView(View):
         self._revisions: tuple[Revision, ...] = ()
         self._tables = html_pane("")
         self._charts = pn.Column()
-        self._link = pmui.TextInput(
-            label="Link to this comparison", sizing_mode="stretch_width", max_width=420, **LOOK
-        )
+        self._link = TextInput(label="Link to this comparison", sizing_mode="stretch_width", max_width=420, **LOOK)
         reports = desk.report_buttons("comparison", "Comparison report", self._report)
         self._tools = pn.FlexBox(*reports, self._link, align_items="center", visible=False, margin=(4, 4))
         self._view = pn.Column(self._tools, self._tables, self._charts)

@@ -19,6 +19,7 @@ from app.library.store import Library, Revision
 from app.library.texts import LIMITS
 from app.session import Session
 from app.ui.downloads import download, run_download
+from app.ui.fields import TextInput
 from app.ui.html_pane import html_pane
 from app.ui.remembered import Remembered, recalled
 from nav_model.base.errors import InputError
@@ -52,7 +53,7 @@ class Desk(param.Parameterized):
         self._login = user if user and user != "guest" else ""
         super().__init__(session=session, author=self._login or recalled(_NAME_COOKIE))
         self.memory = Remembered(_NAME_COOKIE, "" if self._login else self.param.author)
-        self.name_field = pmui.TextInput.from_param(
+        self.name_field = TextInput.from_param(
             self.param.author,
             label="Your name",
             description="",

@@ -14,10 +14,11 @@ from app.document.blocks import Answer, Block, Cell, Row, Text, table
 from app.document.pane import html_of
 from app.document.wording import shortened
 from app.library.exchange import MAX_ARCHIVE, add_histories, export_archive, read_archive
-from app.library.store import Library, Revision, Saved, flight_of
+from app.library.store import LONGEST_SEARCH, Library, Revision, Saved, flight_of
 from app.library.texts import counted, moment
 from app.subjects.review.desk import BUTTON, LOOK, Desk, button, listed
 from app.ui.downloads import download
+from app.ui.fields import TextInput
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import WHOLE, SortableTable
 from app.ui.upload import upload
@@ -50,17 +51,17 @@ class LibraryView(View):
     def __init__(self, desk: Desk, compare: Callable[[], Awaitable[None]]) -> None:
         super().__init__(desk=desk)
         self._open_designs: set[str] = set()
-        self._note = pmui.TextInput(label="Note", max_length=4000, width=260, **LOOK)
+        self._note = TextInput(label="Note", max_length=4000, width=260, **LOOK)
         self._new = button("Save as new design", partial(self._save, True), variant="contained")
         self._next = button("Save as next revision", partial(self._save, False), visible=False)
-        self._search = pmui.TextInput(label="Search name, note, author, tag", width=260, **LOOK)
+        self._search = TextInput(label="Search name, note, author, tag", max_length=LONGEST_SEARCH, width=260, **LOOK)
         self._tag = pmui.Select(label="Tag", options=[_ANY], value=_ANY, width=150, **LOOK)
         self._archived = pmui.Switch(label="Archived", margin=(12, 8))
         self._table = SortableTable(self._toggle, html=_OPENING, margin=(2, 10), stylesheets=[WHOLE])
         self._table.param.watch(self._ticked, "ticked")
         self._asked: object = None
         self._listed: _Listing | None = None
-        self._tags = pmui.TextInput(label="Tags, separated by commas", width=220, **LOOK)
+        self._tags = TextInput(label="Tags, separated by commas", width=220, **LOOK)
         self._bring = upload(
             "Import (zip)", ".zip", MAX_ARCHIVE, self._brought,
             lambda why: self.desk.say(f"Not imported. {why}", wrong=True), icon=None, variant="text", margin=(6, 6),

@@ -33,6 +33,7 @@ from app.subjects.review.desk import LOOK, Desk, button
 from app.subjects.review.overview import ending, overview, state_of
 from app.subjects.review.rows import decision_row, figure_of, frozen_designs
 from app.ui.decision_table import DecisionTable
+from app.ui.fields import TextArea, TextInput
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
 from app.ui.sortable_table import SortableTable
@@ -67,7 +68,7 @@ class ReviewRoom(View):
         self._watch: Any = None  # looks for what others add, while a review is in view
         self._design = pmui.Select(label="Design", options={}, width=300, **LOOK)
         self._subject = pmui.Select(label="Comment on", options=_SUBJECTS, value="", width=240, **LOOK)
-        self._comment = pmui.TextAreaInput(label="Comment", max_length=4000, rows=2, width=330, **LOOK)
+        self._comment = TextArea(label="Comment", max_length=4000, rows=2, width=330, **LOOK)
         self._all = SortableTable(self._pressed, visible=self.param.review.rx.is_(None), margin=(4, 10))
         self._table = DecisionTable(self._decided, visible=False, sizing_mode="stretch_width", margin=(4, 10))
         self._comments, self._record = html_pane(_EMPTY), html_pane("")
@@ -78,7 +79,7 @@ class ReviewRoom(View):
                 ("Record: every decision, frozen designs, signature", lambda: self._record),
             ]
         )
-        self._title = pmui.TextInput(label="Title of a new review", max_length=200, width=200, **LOOK)
+        self._title = TextInput(label="Title of a new review", max_length=200, width=200, **LOOK)
         self._begin_button = button("Start review of selected designs", self._begin)
         self._of_review = [
             button("All reviews", self._leave, visible=False),

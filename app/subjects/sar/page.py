@@ -41,7 +41,7 @@ from app.subjects.sar.tables import (
 from app.subjects.sar.upload import UploadedPicture
 from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download
-from app.ui.fields import whole_number
+from app.ui.fields import TextInput, whole_number
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.follower import Follower
@@ -91,7 +91,7 @@ class SarPage(StudyPage[SarResult]):
             "Run the strategies",
             pmui.Select.from_param(self.param.engine, width=190, **_LOOK),
             pmui.Select.from_param(self.param.runs, width=80, **_LOOK),
-            pmui.TextInput.from_param(self.param.seed, width=70, **_LOOK),
+            TextInput.from_param(self.param.seed, width=70, **_LOOK),
         )
         self._rank_head, self._ranks = html_pane("", margin=_HEAD), html_pane("", margin=(0, 10, 6, 10))
         self._ranks.param.update(

@@ -20,7 +20,7 @@ from app.session import Session
 from app.subjects.sar.charts import to_npz, uploaded_picture
 from app.subjects.sar.run import SarResult
 from app.ui.downloads import download
-from app.ui.fields import number
+from app.ui.fields import TextInput, number
 from app.ui.html_pane import html_pane
 from app.ui.run_bar import RunBar
 from app.ui.upload import UploadedFile, upload
@@ -61,7 +61,7 @@ class UploadedPicture(View):
             "Form the images",
             self._input,
             pmui.Select.from_param(self.param.strategy, width=230, **_LOOK),
-            pmui.TextInput.from_param(self.param.half_width, width=110, **_LOOK),
+            TextInput.from_param(self.param.half_width, width=110, **_LOOK),
         )
         self._pictures = html_pane("")
         take = download("Images (NPZ)", "sar-phase-history.npz", lambda: to_npz(self.run.result))

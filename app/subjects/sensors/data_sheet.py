@@ -8,6 +8,7 @@ from app.document.blocks import Block, Bullets, Column, Text, numbers, table
 from app.document.pane import html_of
 from app.document.wording import entered, input_in_words
 from app.session import Session
+from app.ui.fields import TextArea
 from app.ui.html_pane import html_pane
 from app.ui.view import View
 from nav_model.base.errors import InputError
@@ -24,7 +25,7 @@ class DataSheetBox(View):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session)
-        self.rows = pmui.TextAreaInput(
+        self.rows = TextArea(
             label="My IMU: rows of its data sheet", placeholder=_EXAMPLE, rows=3, max_length=5000,
             sizing_mode="stretch_width", margin=(12, 14, 4, 14),
         )  # fmt: skip

@@ -28,6 +28,7 @@ from app.subjects.sensors.tables import (
     warnings,
 )
 from app.ui.faults import clear_message
+from app.ui.fields import TextInput
 from app.ui.follower import Follower
 from app.ui.grid import cell, grid
 from app.ui.html_pane import html_pane
@@ -92,11 +93,11 @@ class LogPanel(pn.viewable.Viewer):
         super().__init__(session=session, run=session.new_run())
         self._log = UploadedFile()
         self._path: Path | None = None
-        self.boxes = {key: _unit_box(key) if key in _OF else pmui.TextInput(**_look(*_BOXES[key])) for key in _BOXES}
+        self.boxes = {key: _unit_box(key) if key in _OF else TextInput(**_look(*_BOXES[key])) for key in _BOXES}
         # There once a file has several.
         self.boxes["sensor"] = pmui.Select(options=[""], value="", visible=False, **_look(*_BOXES["sensor"]))
         self.counts = {
-            key: pmui.TextInput(**_look(f"{of.capitalize()} count", "its size, if in counts", 185))
+            key: TextInput(**_look(f"{of.capitalize()} count", "its size, if in counts", 185))
             for key, of in _OF.items()
         }
         for key, box in self.boxes.items():

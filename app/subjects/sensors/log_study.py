@@ -9,7 +9,7 @@ from nav_model.allan.log_file import read_log
 from nav_model.allan.motion import BenchNoise, MotionAnalysis, analyse_motion
 from nav_model.allan.result import LogAnalysis
 from nav_model.allan.static_log import analyse_log
-from nav_model.base.errors import InputError
+from nav_model.base.errors import InputError, quoted
 from nav_model.design import Design
 from nav_model.design.parts import quantity
 
@@ -49,7 +49,7 @@ def read_options(
     for part in (arrays or "").split(","):
         role, equals, name = part.partition("=")
         if part.strip() and not (equals and name.strip()):
-            raise InputError("arrays", f"{part.strip()!r} is not an assignment such as gyro=w")
+            raise InputError("arrays", f"{quoted(part.strip())} is not an assignment such as gyro=w")
         if part.strip():
             chosen[role.strip()] = name.strip()
     names = [name.strip() for name in columns.split(",")] if columns and columns.strip() else None

@@ -30,7 +30,7 @@ from app.subjects.simulation.run import Flown, fly, subject
 from app.subjects.simulation.tables import conditions_list, departures, run_table, sigma_table, verdict
 from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download
-from app.ui.fields import number, whole_number
+from app.ui.fields import TextInput, number, whole_number
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
@@ -38,7 +38,7 @@ from app.ui.run_bar import RunBar
 from app.ui.study_page import StudyPage
 from app.ui.theme import PRINT_NOTHING, STACK_ON_A_PHONE
 from app.ui.upload import upload
-from app.work.pool import run_in_pool
+from app.work.pool import read_in_pool, run_in_pool
 from app.work.run import Run
 from app.work.simulator import prepare
 from nav_model.base.errors import InputError
@@ -126,7 +126,7 @@ class SimulatePage(StudyPage[Flown]):
     # --- the parts ------------------------------------------------------------------------------------
 
     def _fields(self) -> tuple[Any, ...]:
-        choices, names = self.param, pmui.TextInput.from_param
+        choices, names = self.param, TextInput.from_param
         self._upload = upload(
             "Trajectory file", ",".join(FLIGHT_FILES), _UPLOAD, self._uploaded, self._refuse,
             visible=choices.trajectory.rx() == "file",
@@ -204,7 +204,7 @@ class SimulatePage(StudyPage[Flown]):
 
     async def _study(self, run: Run) -> Flown:
         try:
-            return await fly(run, self._session.design, self._specification())
+            return await fly(run, self._session.design, await self._specification())
         except InputError as error:
             raise error.under(_FIELDS.get(error.key, error.key)) from error
 
@@ -225,7 +225,7 @@ class SimulatePage(StudyPage[Flown]):
         if not (self._by_itself and self._bar.message):  # what is there is of a file that was opened meanwhile
             self._say(f"{done.runs} × {done.duration:g} s in {wall_s} s, seed {done.seed}.")
 
-    def _specification(self) -> SimulationSpec:
+    async def _specification(self) -> SimulationSpec:
         """Specification that the fields ask for.
 
         Raises
@@ -242,7 +242,7 @@ class SimulatePage(StudyPage[Flown]):
                 raise InputError("Trajectory file", "open a file first")
             flight = self._file
         elif flight == _PLAN:
-            plan = planned(self._session.design)
+            plan = await run_in_pool(planned, self._session.design)
             flight, length, outages = plan.trajectory, plan.duration, self._session.design.trajectory.outages
         spec = specification(
             self._session.design,
@@ -266,7 +266,7 @@ class SimulatePage(StudyPage[Flown]):
         try:
             design = self._session.design
             heights = design.flight.altitude, design.trajectory.ground or None
-            file = await run_in_pool(parse_file, content, name, *heights)
+            file = await read_in_pool(parse_file, content, name, *heights)
             flight = await run_in_pool(file.flown, plan_like(design))
             if (size := len(flight.trajectory.samples)) > _MOST_KEPT:
                 message = f"takes {size / 1e6:.0f} MB, at most {_MOST_KEPT // 10**6} here. Give fewer rows"

@@ -18,7 +18,7 @@ from app.ui.html_pane import html_pane
 from app.ui.input_sheet import Group, InputSheet
 from app.ui.upload import upload
 from app.ui.view import View
-from app.work.pool import run_in_pool
+from app.work.pool import read_in_pool
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.suborbital.flight_file import BOUNDS
@@ -154,7 +154,7 @@ class InputPanel(View):
     async def open(self, name: str, content: bytes) -> None:
         """Put a study file in force, whole or not at all; a trajectory in it may have megabytes."""
         try:
-            study = await run_in_pool(parse_study, content, name)
+            study = await read_in_pool(parse_study, content, name)
         except InputError as error:
             self.say(f"Not opened. {error}")
             return

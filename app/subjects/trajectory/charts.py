@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.charts.kinds import Array, Band, Chart, LimitLine, Line, Points, Span, without_fixes
+from app.charts.kinds import CLOCK, Array, Band, Chart, LimitLine, Line, Points, Span, without_fixes
 from app.document.display import AS_REQUIRED, ONE_SIGMA
 from app.subjects.trajectory.figures import FIGURES, factor, limits_along
 from app.work.flight import Followed
 from nav_model.base.dimensions import DIMENSIONS
-from nav_model.base.units import from_si
+from nav_model.base.units import clock, from_si
 from nav_model.design.figures import figure_in_sentence
 
 if TYPE_CHECKING:
@@ -21,8 +22,9 @@ if TYPE_CHECKING:
     from nav_model.trajectory.result import LineResult, Processed
 
 _DEG = 180 / math.pi
-_TIME = "time [s]"
 _MOST_SOURCES = 6
+_SETTLED = 3.0  # seconds from which on a limit has been met before it is passed
+_TO_SCALE = 5.0  # longer and narrower flights would be one line on a map to scale
 _ROOM_FOR_A_NAME = 0.012  # of the time axis, a letter
 _SHARE_STYLES = ("horizontal", "vertical", "yaw", "tilt", "filter", "does not close", "reference")  # a colour each
 _RUNS = {
@@ -51,7 +53,13 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
     axis = f"{label.rpartition(' ')[2]}, {spread} [{unit}]"  # which has room for its last word
     time = np.array([0.0, 300.0]) if followed is None else followed.result.time_s
     nothing = np.full(len(time), np.nan)
-    spans = without_fixes(() if followed is None else followed.result.spec.study.outages) + _line_spans(followed)
+    outages = () if followed is None else followed.result.spec.study.outages
+    over = () if followed is None else tuple(_beyond(followed, name))
+    spans = (
+        without_fixes(outages)
+        + _line_spans(followed)
+        + tuple(Span(f"beyond {i}", "", *stretch, "limit") for i, stretch in enumerate(over))
+    )
 
     runs = simulated(followed, flown)
 
@@ -73,26 +81,58 @@ def timelines(followed: Followed | None, name: str, flown: SimulationResult | No
         return lines
 
     def chart(
-        key: str, title: str, y_label: str, lines: list[Line], limits: tuple[LimitLine, ...] = (), how: str = _HOW
+        key: str, title: str, y_label: str, lines: list[Line], limits: tuple[LimitLine, ...], how: str = _HOW
     ) -> Chart:
-        return Chart(f"trajectory-{key}", title, _TIME, y_label, tuple(lines), limits=limits, spans=spans,
+        return Chart(f"trajectory-{key}", title, CLOCK, y_label, tuple(lines), limits=limits, spans=spans,
                      y_log=True, knowledge=how)  # fmt: skip
+
+    def limits(*names: str, scale: float = 1.0) -> tuple[LimitLine, ...]:
+        return tuple(
+            LimitLine(each, f"limit on {figure_in_sentence(each)}", start, stop, scale * level)
+            for each in names
+            for start, stop, level in (() if followed is None else limits_along(followed, each))
+        )
 
     def level_and_up(kind: str) -> list[Line]:
         names = zip(("horizontal", "vertical"), _USUAL, strict=True)
         return [line for which, styles in names for line in pair(which, which, f"{which}_{kind}", 1.0, styles)]
 
-    limits = () if followed is None else limits_along(followed.result, name)
-    drawn = tuple(LimitLine("limit", "limit", start, stop, scale * level) for start, stop, level in limits)
     attitude = pair("tilt", "tilt", "tilt", _DEG, ("tilt", "tilt refined"))
     chosen = pair("figure", label, "figure", scale, ("exact", "horizontal refined"))
     attitude += pair("yaw", "heading", "yaw", _DEG, ("simulated, yaw", "yaw"))
-    return (
-        chart("figure", figure.label, axis, chosen, drawn, judged_how(followed, name)),
-        display.timeline(chart("position", "Position", "position, 1σ [m]", level_and_up("position"))),
-        display.timeline(chart("velocity", "Velocity", "velocity, 1σ [m/s]", level_and_up("velocity"))),
-        display.timeline(chart("attitude", "Attitude", "attitude, 1σ [°]", attitude)),
+    first = chart("figure", figure.label, axis, chosen, limits(name, scale=scale), judged_how(followed, name))
+    places, speeds = (
+        limits(*(f"{axis}_{kind}" for axis in ("horizontal", "vertical"))) for kind in ("position", "velocity")
     )
+    return (
+        replace(first, points=_passed(followed, name, over, scale)),
+        display.timeline(chart("position", "Position", "position, 1σ [m]", level_and_up("position"), places)),
+        display.timeline(chart("velocity", "Velocity", "velocity, 1σ [m/s]", level_and_up("velocity"), speeds)),
+        display.timeline(
+            chart("attitude", "Attitude", "attitude, 1σ [°]", attitude, limits("tilt", "heading", scale=_DEG))
+        ),
+    )
+
+
+def _beyond(followed: Followed, name: str) -> Iterator[tuple[float, float]]:
+    """Start and stop [s] of each stretch over which a figure is beyond a limit."""
+    time = followed.result.time_s
+    for start, stop, level in limits_along(followed, name):
+        value = np.where((time >= start - 1e-9) & (time <= stop + 1e-9), followed.result.chosen.figures[name], 0.0)
+        edges = np.flatnonzero(np.diff(np.concatenate(([False], value > level, [False])).astype(int)))
+        for first, after in edges.reshape(-1, 2):
+            yield float(time[first]), float(time[min(after, len(time) - 1)])
+
+
+def _passed(
+    followed: Followed | None, name: str, over: tuple[tuple[float, float], ...], scale: float
+) -> tuple[Points, ...]:
+    """When the figure is first beyond its limit, where it was within it before."""
+    limits = () if followed is None else limits_along(followed, name)
+    crossings = [(at, level) for at, _ in over for start, stop, level in limits if start + _SETTLED < at <= stop][:1]
+    at, levels = np.array(crossings).reshape(-1, 2).T
+    names = tuple(map(clock, at))
+    return (Points("passed", "first beyond the limit", at, scale * levels, names, "limit", "name"),)
 
 
 def judged_how(followed: Followed | None, name: str) -> str:
@@ -117,7 +157,7 @@ def _line_spans(followed: Followed | None) -> tuple[Span, ...]:
     for number, line in enumerate(followed.result.lines, 1):
         share = (line.stop_s - line.start_s) / whole
         label = line.name if share > _ROOM_FOR_A_NAME * len(line.name) else str(number) if share > 0.015 else ""
-        spans.append(Span(f"line {number}", label, line.start_s, line.stop_s, _verdict_style(followed, line)))
+        spans.append(Span(f"line {number}", label, line.start_s, line.stop_s, _verdict_style(followed, line), True))
     return tuple(spans)
 
 
@@ -137,8 +177,10 @@ def map_chart(followed: Followed) -> Chart:
     for line in result.lines:
         on = (result.time_s >= line.start_s - 1e-9) & (result.time_s <= line.stop_s + 1e-9)
         drawn[_verdict_style(followed, line)][on] = north[on]
-    middles = np.array([(line.start_s + line.stop_s) / 2 for line in result.lines if result.spec.lines])
+    places = _places(followed)
     labels = {"closes": "within the limits", "does not close": "beyond a limit", "path": "not judged"}
+    wide, high = np.ptp(east), np.ptp(north)
+    to_scale = bool(max(wide, high) < _TO_SCALE * min(wide, high) or not min(wide, high))
     on_lines = np.where(np.isnan([*drawn.values()]).all(axis=0), np.nan, 0.0)
     return Chart(
         key="trajectory-map",
@@ -154,13 +196,28 @@ def map_chart(followed: Followed) -> Chart:
             ),
         ),
         points=(
-            Points("lines", "line", np.interp(middles, result.time_s, east), np.interp(middles, result.time_s, north),
-                   tuple(str(number + 1) for number in range(len(middles))), "everything", "name"),
+            Points("lines", "line", np.interp(places, result.time_s, east), np.interp(places, result.time_s, north),
+                   tuple(str(number + 1) for number in range(len(places))), "everything", "name"),
         ),
-        square=True,
+        square=to_scale,
+        aside="" if to_scale else "not to scale",
         knowledge=f"A line is green if it meets every limit, {result.spec.processing}. The radar looks "
         "to the right of the flight.",
     )  # fmt: skip
+
+
+def _places(followed: Followed) -> Array:
+    """Times [s] at which each line is numbered, so that the numbers of parallel lines are beside each other."""
+    result = followed.result
+    if not result.spec.lines:
+        return np.array([])
+    ends = np.array([(line.start_s, line.stop_s) for line in result.lines])
+    along = np.column_stack(
+        [np.diff(np.interp(ends, result.time_s, way))[:, 0] for way in (followed.east, followed.north)]
+    )
+    shares = (np.arange(len(ends)) + 0.5) / len(ends)
+    shares = np.where(along @ along[0] < 0, 1 - shares, shares)
+    return ends[:, 0] + shares * (ends[:, 1] - ends[:, 0])
 
 
 def _swath(followed: Followed) -> Iterator[tuple[str, Array, Array]]:
@@ -188,7 +245,7 @@ def shares_chart(followed: Followed, name: str) -> Chart:
     return Chart(
         key="trajectory-shares",
         title=f"Shares of {figure_in_sentence(name)}",
-        x_label=_TIME,
+        x_label=CLOCK,
         y_label="share [%]",
         lines=(),
         bands=tuple(

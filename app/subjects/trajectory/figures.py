@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from app.document.numbers import show
-from nav_model.budget.verdict import decisive
+from app.work.flight import Followed
+from nav_model.budget.verdict import decisive, lowest_limit
 from nav_model.design import Design
 from nav_model.design.figures import FIGURES as DECLARED
 from nav_model.design.figures import IN_FLIGHT
-
-if TYPE_CHECKING:
-    from nav_model.trajectory.result import TrajectoryResult
-
 
 FIGURES = {name: DECLARED[name] for name in IN_FLIGHT}
 """Figures that a requirement of the design may limit along a flight."""
@@ -48,16 +44,22 @@ def show_value(design: Design, name: str, sigma: float, *, given: bool = False, 
     return show(scale * sigma, FIGURES[name].dimension, given=given, like=like)
 
 
-def limits_along(result: TrajectoryResult, name: str) -> tuple[tuple[float, float, float], ...]:
+def limits_along(followed: Followed, name: str) -> tuple[tuple[float, float, float], ...]:
     """Start, stop [s] and level of every limit on one sigma of a figure: one, unless a line has its own."""
-    everywhere = dict(result.spec.most).get(name, math.nan)
+    result, lowest = followed.result, lowest_limit(followed.design, name)
+    everywhere = dict(result.spec.most).get(name, lowest.at_one_sigma if lowest else math.nan)
     limits = [(line.start_s, line.stop_s, line.limits[name]) for line in result.lines if name in line.limits]
     if all(level == everywhere for _, _, level in limits):
         limits = [(float(result.time_s[0]), float(result.time_s[-1]), everywhere)]
     return tuple(limit for limit in limits if not math.isnan(limit[2]))
 
 
-def main_figure(result: TrajectoryResult) -> str:
-    """The figure to show first: the one that is least within its limit on some line, or the detrended phase."""
-    within = [(share, name) for line in result.lines for name, share in line.within.items()]
-    return min(within, default=(1.0, "detrended_phase"), key=lambda pair: pair[0])[1]
+def main_figure(followed: Followed) -> str:
+    """The figure that decides: the one that is farthest over its limit on some line, or nearest to it. Where no line
+    has a limit, that of the design's verdict; without one, the detrended phase."""
+    _, name = max((line.excess[::-1] for line in followed.result.lines), default=(0.0, ""))
+    if name:
+        return name
+    checks = (check for check in followed.budget.verdict.checks if check.known and check.on in FIGURES)
+    tightest = min(checks, key=lambda check: check.margin, default=None)
+    return tightest.on if tightest else "detrended_phase"

@@ -50,14 +50,14 @@ class ManoeuvreBlock(View):
     ) -> None:
         super().__init__(run=session.new_run())
         self._session, self._flown, self._share = session, flown, share
-        self._bar = RunBar(self.run, self.begin, "Fly the candidates")
+        self._bar = RunBar(self.run, self.begin, "Compare options")
         self._head = html_pane("", margin=(0, 10))
         self._table = SortableTable(self._take, margin=(0, 10))
         self._view = pn.Column(self._bar, self._head, self._table)
         self.run.param.watch(self._show, "result")
 
     def begin(self) -> asyncio.Task[None]:
-        """Fly the candidates of the design; those under way are dropped."""
+        """Compare the options of the design; those under way are dropped."""
         design, file = self._session.design, self._flown()
 
         async def work(run: Run) -> tuple[Design, File | None, Manoeuvres]:
@@ -75,7 +75,7 @@ class ManoeuvreBlock(View):
             if self._outdated:
                 words, stale = (
                     replace(words, tone="open"),
-                    stale_mark("Of the flight and design before the last change."),
+                    stale_mark("Outdated: computed before the last change."),
                 )
             self._head.say(stale + html_of(words))
 
@@ -97,7 +97,7 @@ class ManoeuvreBlock(View):
         if option is None:
             return
         if self._outdated:
-            self._bar.message = "Not applied: the design or the flight has changed. Fly the candidates again."
+            self._bar.message = "Not applied: the design or the flight has changed. Compare the options again."
             return
         problem: InputError | None = self._session.change(option.changes, option.written)
         done = f"{option_label(option)} is in the design now. You can undo."

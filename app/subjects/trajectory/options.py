@@ -13,7 +13,7 @@ from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import figure_in_sentence
 from nav_model.design.trajectory import lines_in_words
 
-_SAME, _NOTHING = 0.005, "the same"
+_SAME, _NOTHING = 0.005, "no change"
 
 if TYPE_CHECKING:
     from nav_model.design import Design
@@ -26,8 +26,8 @@ def options_answer(answer: Manoeuvres) -> Answer:
         return Answer("✓ Every line keeps its limits", "good", ("No manoeuvre is needed.",))
     closing, note = [option for option in answer.options if option.closes], filter(None, [answer.note])
     if not closing:
-        word = f"✗ None of these closes {lines_in_words(answer.lines)}"
-        return Answer(word, "bad", ("The table has what each of them changes.", *note))
+        word = f"✗ No single option is enough for {lines_in_words(answer.lines)}"
+        return Answer(word, "bad", ("The table has what each changes.", *note))
     shortest, bought = closing[0], [option for option in closing[1:] if option.kind != "manoeuvre"]
     ways = "; or ".join(map(_in_words, (shortest, *bought)))
     word = f"✓ {len(closing)} option{'' if len(closing) == 1 else 's'} for {lines_in_words(answer.lines)}"
@@ -69,7 +69,7 @@ def options_table(answer: Manoeuvres, design: Design, key: str = "trajectory-opt
             ("Note", 1.6),
         ),
         rows,
-        "Each is flown through the covariance of the plan, as it would be taken. An IMU keeps the design's residual "
+        "Each option is computed along the whole plan. An IMU keeps the design's residual "
         "biases and vibration factor.",
     )  # fmt: skip
 
@@ -91,7 +91,7 @@ def _in_words(option: Option) -> str:
 
 def _longer(seconds: float) -> str:
     if abs(seconds) < 0.5:
-        return "as long"
+        return "+0 s"
     return f"{time_in_words(abs(seconds))} {'longer' if seconds > 0.0 else 'shorter'}"
 
 
@@ -102,7 +102,7 @@ def _note(option: Option, *, buys: bool) -> str:
     elif option.lost_s <= -1.0:
         notes.append(f"keeps fixes for {time_in_words(-option.lost_s)} more")
     if not buys:
-        notes.append("costs more than it buys" if option.costs_s > 0.5 else "buys nothing")
+        notes.append("no gain")
     note = ", and ".join(notes)
     return f"{note[:1].upper()}{note[1:]}"
 

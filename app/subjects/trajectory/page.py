@@ -22,7 +22,7 @@ from app.document.pane import html_of
 from app.session import Session
 from app.subjects.trajectory.charts import map_chart, shares_chart, simulated, timelines
 from app.subjects.trajectory.fields import PlanFields
-from app.subjects.trajectory.figures import FIGURES
+from app.subjects.trajectory.figures import FIGURES, main_figure
 from app.subjects.trajectory.kml import as_kml
 from app.subjects.trajectory.manoeuvres import ManoeuvreBlock
 from app.subjects.trajectory.plan_file import as_plan
@@ -39,7 +39,7 @@ from app.ui.study_page import StudyPage
 from app.ui.theme import NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
 from app.ui.upload import UploadedFile, upload
 from app.work.flight import OF_DESIGN, File, Followed, followed
-from app.work.pool import run_in_pool
+from app.work.pool import read_in_pool, run_in_pool
 from app.work.run import Run
 from nav_model.base.errors import InputError
 from nav_model.base.text.csv_text import csv_text
@@ -58,8 +58,9 @@ _FLIGHTS = {**_NAMED, "From a file": _FILE}
 _UPLOAD = 20_000_000  # bytes
 _HAVE_A_LENGTH = tuple(name for name in _NAMED.values() if name not in (LINES, WAYPOINTS))
 _SETTLE_SECONDS = 0.05  # a slider has come to rest after this long
-_HEIGHT = "max(100dvh - 104px, 648px)"  # room for four charts above each other
+_HEIGHT = "max(100dvh - 104px, 612px)"  # room for four charts above each other
 _LOOK: dict[str, Any] = {"margin": (6, 4, 2, 4), "size": "small"}  # above: room for the label, where fields wrap
+_RARE: dict[str, Any] = {"sizing_mode": "stretch_width", "size": "small", "explained": True}
 _NUMBERS = ("climb_rate", "acceleration", "ground", *AIDING)
 _KEY = {"solid": "real time", "dashed": "post-processed", "span": "no fixes"}
 _RUNS = {"dotted": "simulated on this flight"}
@@ -81,7 +82,7 @@ class TrajectoryPage(StudyPage[Followed]):
     waiting = Answer("Working", "open", ("The covariance along the flight follows.",))
     refusal = "Plan not flown"
     flight = chosen("wandering", _FLIGHTS, "Flight")
-    figure = chosen("detrended_phase", {quantity.label: name for name, quantity in FIGURES.items()}, "Quantity")
+    figure = chosen("", {"What decides": "", **{of.label: name for name, of in FIGURES.items()}}, "Quantity")
 
     def __init__(self, session: Session) -> None:
         super().__init__(session, flight=session.design.trajectory.flight)
@@ -95,7 +96,7 @@ class TrajectoryPage(StudyPage[Followed]):
         self._bar.start.param.update(icon="straighten", variant="outlined", size="small")
         self._drawer = Drawer("Plan", "route", *self._plan_parts())
         quantity = pmui.Select.from_param(self.param.figure, width=170, **_LOOK)
-        self._stack = Timelines(timelines(None, self.figure))
+        self._stack = Timelines(timelines(None, self._shown))
         self._marker = PathMarker(self._stack.plots)
         self._head = html_pane("", margin=(6, 10, 0, 10))
         figures = [pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots]
@@ -108,13 +109,13 @@ class TrajectoryPage(StudyPage[Followed]):
         self._sources: tuple[str, ...] = ()  # of the chart of shares that is shown
         self._shares = pn.Column(html_pane(_COMING))
         above = of_flight.later(self._map, **whole)
-        verdicts = of_flight.text(lambda flown: html_of(line_list(flown, self.figure)))
-        lines = pn.Column(verdicts, styles={"overflow": "auto"}, **whole)
+        verdicts = of_flight.text(lambda flown: html_of(line_list(flown, self._shown)))
+        lines = pn.Column(verdicts, styles={"overflow": "auto"}, sizing_mode="stretch_width")
         run = pn.Column(self._bar, styles={"flex": "1 1 240px", "min-width": "0"})
         tools = pn.FlexBox(
             quantity, self._drawer.button, run, align_items="center", margin=(0, 4), stylesheets=[PRINT_NOTHING]
         )
-        self._body = first_screen(tools, left=[curves], right=[above, lines], height=_HEIGHT)
+        self._body = first_screen(tools, left=[curves], right=[lines, above], height=_HEIGHT, fitted=True)
         self._view = pn.Column(
             self._strip,
             self._body,
@@ -122,7 +123,7 @@ class TrajectoryPage(StudyPage[Followed]):
                 (
                     ("What would close it", self._what_would_close),
                     ("Shares by source", lambda: of_flight.later(self._share_chart)),
-                    ("Table by line", lambda: of_flight.text(lambda flown: html_of(line_table(flown, self.figure)))),
+                    ("Table by line", lambda: of_flight.text(lambda flown: html_of(line_table(flown, self._shown)))),
                     ("Exports", lambda: of_flight.later(self._exports)),
                 )
             ),
@@ -182,6 +183,11 @@ class TrajectoryPage(StudyPage[Followed]):
         return self.flight != _FILE
 
     @property
+    def _shown(self) -> str:
+        """The quantity that is shown."""
+        return self.figure or (main_figure(self._result) if self._result else "detrended_phase")
+
+    @property
     def _flown_file(self) -> File | None:
         return self._file if self.flight == _FILE else None
 
@@ -215,27 +221,33 @@ class TrajectoryPage(StudyPage[Followed]):
     def _plan_parts(self) -> tuple[Any, ...]:
         """Parts of the drawer: the flight and its inputs, numbered waypoints, aiding, limits of single lines."""
         choices, box, flies = self.param, self._plan.box, self.param.flight.rx
-        file = upload(
-            "Plan or recording", ",".join(FLIGHT_FILES), _UPLOAD, self._uploaded,
-            self._refuse, visible=flies() == _FILE,
-        )  # fmt: skip
+        file = upload("Plan or recording", ",".join(FLIGHT_FILES), _UPLOAD, self._uploaded, self._refuse)
         lines, turns, named = (flies.in_(those) for those in ((LINES,), (LINES, WAYPOINTS), _HAVE_A_LENGTH))
+        rare = pn.Column(
+            box("bank", visible=turns, **_RARE), *(box(name, **_RARE) for name in ("outages", *_NUMBERS))
+        )
         self._places = pn.Column(self._plan.table("waypoints", "waypoint", _ADDED), visible=False)
         return (
             pn.FlexBox(
-                pmui.Select.from_param(choices.flight, width=170, **_LOOK),
+                pmui.Select.from_param(choices.flight, width=190, **_LOOK),
                 file,
-                box("lines", width=70, visible=lines, **_LOOK),
-                box("length", width=100, visible=lines, **_LOOK),
-                box("spacing", width=100, visible=lines, **_LOOK),
-                box("bank", width=80, visible=turns, **_LOOK),
-                box("duration", width=110, visible=named, **_LOOK),
-                box("outages", width=130, **_LOOK),
+                box("lines", width=90, visible=lines, **_LOOK),
+                box("length", width=130, visible=lines, **_LOOK),
+                box("spacing", width=150, visible=lines, **_LOOK),
+                box("duration", width=190, visible=named, **_LOOK),
+                align_items="center",
                 margin=(0, 10),
             ),
             self._places,
-            pn.FlexBox(*(box(name, width=165, **_LOOK) for name in _NUMBERS), margin=(0, 10)),
-            self._plan.table("limits", "limit"),
+            self._plan.limits(),
+            Folded(
+                (
+                    (
+                        "More: turns, outages, aiding",
+                        lambda: rare,
+                    ),
+                )
+            ),
         )
 
     def _map(self) -> pn.Column:
@@ -276,7 +288,7 @@ class TrajectoryPage(StudyPage[Followed]):
         result = self._result
         study = self._session.findings.get("simulation")
         flown = study and study.result
-        charts = timelines(result, self.figure, flown)
+        charts = timelines(result, self._shown, flown)
         if result is not None:
             self._stack.feed(charts)
         description, knowledge = "".join(map(described, charts)), charts[0].knowledge
@@ -305,7 +317,7 @@ class TrajectoryPage(StudyPage[Followed]):
         """Stacked shares: a chart for each set of sources, as their names are its structure."""
 
         def show(flown: Followed) -> None:
-            chart = shares_chart(flown, self.figure)
+            chart = shares_chart(flown, self._shown)
             sources = (chart.title, *(band.label for band in chart.bands))
             if sources != self._sources:
                 self._sources = sources
@@ -318,7 +330,7 @@ class TrajectoryPage(StudyPage[Followed]):
         return self._shares
 
     def _drawn_shares(self, result: Followed) -> Any:
-        return shares_chart(result, self.figure)
+        return shares_chart(result, self._shown)
 
     def _exports(self) -> pn.FlexBox:
         known = self._of_result.known
@@ -352,16 +364,17 @@ class TrajectoryPage(StudyPage[Followed]):
     async def _uploaded(self, name: str, content: bytes) -> None:
         await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.files.reader")
         try:
-            places, note = await run_in_pool(waypoints_in, content, name, self._session.design)
+            places, note = await read_in_pool(waypoints_in, content, name, self._session.design)
             if not 0 < len(places) <= MOST_WAYPOINTS:
                 self._file = File(name, await self._on_disk.put(content))
+                self.flight = _FILE
         except InputError as error:
             self._refuse(error)
             return
         if 0 < len(places) <= MOST_WAYPOINTS:
             self._take(places)
             self.flight = WAYPOINTS
-            self._say(f"{name}: {note}. The waypoints are in the design now.")
+            self._say(f"Loaded {name}: {note}.")
         else:
             self._say(f"{name}: {note}.")
             self.begin()

@@ -38,7 +38,7 @@ def another_design(study: Followed, design: Design) -> str:
 
 def sections(study: Followed, key: str) -> tuple[Section, ...]:
     """The verdict and the lines, then the charts of what is limited most."""
-    name = main_figure(study.result)
+    name = main_figure(study)
     lines = line_table(study, name)
     lines = replace(lines, key=f"{key}-{lines.key}")
     drawn = (map_chart(study), *timelines(study, name), shares_chart(study, name))

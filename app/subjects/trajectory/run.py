@@ -8,7 +8,7 @@ from contextlib import suppress
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from app.work.flight import File, follow_if_short, read_file
+from app.work.flight import File, check_length, follow_if_short, read_file
 from app.work.pool import run_in_pool
 from nav_model.base.errors import InputError
 from nav_model.design import Design
@@ -16,6 +16,8 @@ from nav_model.design.trajectory import Rows
 
 if TYPE_CHECKING:
     from nav_model.trajectory.manoeuvre import Manoeuvres
+
+_MOST_FOR_OPTIONS = 15_000  # fixes of a flight that is flown some thirty times
 
 
 async def follow_ahead(design: Design) -> None:
@@ -30,11 +32,14 @@ def closing_options(
 ) -> Manoeuvres:
     """Options that would close the flight of a design's plan, or of a file; for a process of its own.
 
-    Raises InputError as `follow` and `manoeuvres`.
+    Raises InputError as `follow` and `manoeuvres`, and for a flight too long to be flown for each option.
     """
+    from nav_model.trajectory.design_study import planned
     from nav_model.trajectory.manoeuvre import manoeuvres
 
-    return manoeuvres(design, progress=progress, flight=read_file(file, design) if file else None)
+    flight = read_file(file, design) if file else None
+    check_length(flight or planned(design), design, _MOST_FOR_OPTIONS)
+    return manoeuvres(design, progress=progress, flight=flight)
 
 
 def waypoints_in(content: bytes, name: str, design: Design) -> tuple[Rows, str]:

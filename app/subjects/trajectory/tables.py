@@ -12,7 +12,7 @@ from app.document.numbers import NONE, percent
 from app.document.verdict import SAID, verdict_along
 from app.subjects.trajectory.figures import FIGURES, factor, show_value, spread_of
 from app.work.flight import Followed
-from nav_model.base.units import time_in_words
+from nav_model.base.units import clock, time_in_words
 from nav_model.design.figures import figure_in_sentence
 
 if TYPE_CHECKING:
@@ -141,7 +141,7 @@ def line_table(followed: Followed, name: str) -> TableBlock:
 
     rows: list[Row] = []
     for line in result.lines:
-        span = f"{line.name}: {line.start_s:.0f} s to {line.stop_s:.0f} s"
+        span = f"{line.name}: {clock(line.start_s)} to {clock(line.stop_s)} min"
         why = line.reason or (failure(followed, line) if line.fails_by else "")
         rows.append(("; ".join(filter(None, (span, why, line.remark, _length(line)))),))
         for figure in figures:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from nav_model.base.errors import quoted
+from nav_model.base.text.column_names import listed
 from nav_model.trajectory.files.heights import Heights, Reference, counted, plain_name
 from nav_model.trajectory.waypoints import Waypoint
 
@@ -130,7 +131,7 @@ def _flown(items: Iterable[_Item], heights: Heights) -> tuple[Waypoint, ...]:
         else:
             unused[_NOT_FLOWN.get(command, f"item of command {command}")] += 1
     if unused:
-        heights.note("not used: " + ", ".join(counted(number, noun) for noun, number in unused.items()))
+        heights.note(f"not used: {listed([counted(number, noun) for noun, number in unused.items()])}")
     if not names:
         begins = [on if triggered else number < len(places) - 1 for number, (_, on) in enumerate(places)]
         starts = [number for number, begin in enumerate(begins) if begin]

@@ -1,6 +1,7 @@
 """Flights of XML, alone or in an archive: KML with DJI's missions in it (WPML), and GPX.
 
-What is read is bounded in size and tags, and has no entities.
+What is read is bounded in size, tags, depth and the length of namespaces, and has no entities; with these bounds a
+search below each of some elements takes time in proportion to the file.
 """
 
 import io
@@ -10,11 +11,11 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from typing import NamedTuple
-from xml.etree.ElementTree import Element, ParseError
+from xml.etree.ElementTree import Element, ParseError, TreeBuilder
 
 import numpy as np
 
-from nav_model.base.errors import quoted
+from nav_model.base.errors import InputError, quoted
 from nav_model.base.text.npz_arrays import DAMAGED
 from nav_model.base.text.number_table import seconds_of
 from nav_model.trajectory.files.heights import MOST_WAYPOINTS, Heights, Reference, counted, plain_name
@@ -23,6 +24,8 @@ from nav_model.trajectory.waypoints import Waypoint
 
 _MOST_XML = 5_000_000  # bytes
 _MOST_TAGS = 400_000
+_DEEPEST = 40
+_LONGEST_NAMESPACE = 200  # characters: the parser makes each tag's name of it anew
 _MOST_ENTRIES = 2000  # of an archive
 _ENTRY = b"PK\x01\x02"
 
@@ -80,7 +83,7 @@ def unpack(content: bytes, heights: Heights) -> bytes | None:
         raise heights.refuse(f"is a ZIP archive that cannot be read: {error}") from error
     if len(inside) > _MOST_XML:
         raise heights.refuse(f"holds more than {_MOST_XML // 1_000_000} MB of XML. Keep only the flight.")
-    heights.note(f"{entry.filename} in the archive")
+    heights.note(f"{plain_name(entry.filename)} in the archive")
     return inside
 
 
@@ -117,6 +120,8 @@ def read_markup(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list
             )
             for number, shape in enumerate(taken, 1) for at, point in enumerate(shape.places, 1)
         )  # fmt: skip
+        if not flight:
+            raise heights.refuse(f"has a {chosen} without a place. Give one with places.")
         # A path that goes on where the one before ends has that place once.
         ends = [a.line == "" and (a.latitude, a.longitude) == (b.latitude, b.longitude) for a, b in pairwise(flight)]
         flight = tuple(point for point, end in zip(flight, [*ends, False], strict=True) if not end)
@@ -131,19 +136,45 @@ def read_markup(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list
 def _xml(content: bytes, heights: Heights) -> Element:
     """The root of an XML document, bounded in size and tags and without entities."""
     from defusedxml.common import DefusedXmlException
-    from defusedxml.ElementTree import fromstring
+    from defusedxml.ElementTree import XMLParser
 
     if len(content) > _MOST_XML:
         raise heights.refuse(f"has more than {_MOST_XML // 1_000_000} MB of XML. Keep only the flight.")
     if content.count(b"<") > _MOST_TAGS:
         raise heights.refuse(f"has more than {_MOST_TAGS} tags")
     try:
-        root: Element = fromstring(content, forbid_dtd=True)
+        parser = XMLParser(target=_Bounded(heights), forbid_dtd=True)
+        parser.feed(content)
+        root: Element = parser.close()
+    except InputError:
+        raise
     except DefusedXmlException as error:
         raise heights.refuse("declares entities or a document type, which are not read") from error
     except (ParseError, ValueError, LookupError) as error:
         raise heights.refuse(f"is not XML: {error}") from error
     return root
+
+
+class _Bounded(TreeBuilder):
+    """Builds the tree of a document, and refuses tags too deep and namespaces too long as they come."""
+
+    def __init__(self, heights: Heights) -> None:
+        super().__init__()
+        self._heights, self._depth = heights, 0
+
+    def start_ns(self, _: str, namespace: str) -> None:
+        if len(namespace) > _LONGEST_NAMESPACE:
+            raise self._heights.refuse(f"has a namespace of more than {_LONGEST_NAMESPACE} characters")
+
+    def start(self, tag: str, attributes: dict[str, str], /) -> Element:
+        self._depth += 1
+        if self._depth > _DEEPEST:
+            raise self._heights.refuse(f"has tags nested more than {_DEEPEST} deep")
+        return super().start(tag, attributes)
+
+    def end(self, tag: str, /) -> Element:
+        self._depth -= 1
+        return super().end(tag)
 
 
 def _segment(shape: Shape, heights: Heights) -> RecordedSegment:
@@ -165,10 +196,11 @@ def _gpx(root: Element) -> Iterator[Shape]:
         ]
 
     for track in root.iterfind(".//{*}trk"):
+        name = _name(track)
         for part in track.iterfind("{*}trkseg"):
             if points := places(part, "{*}trkpt"):
                 timed = len({point.time for point in points} - {None}) > 1
-                yield Shape(_RECORDED if timed else "track", _name(track), points, "sea")
+                yield Shape(_RECORDED if timed else "track", name, points, "sea")
     for route in root.iterfind(".//{*}rte"):
         yield Shape("route", _name(route), places(route, "{*}rtept"), "sea")
     for point in places(root, "{*}wpt"):
@@ -183,6 +215,7 @@ def _kml(root: Element, heights: Heights) -> Iterator[Shape]:
             yield _mission(folder, f"line {number}." if len(folders) > 1 else "line ", heights)
         return
     for mark in root.iterfind(".//{*}Placemark"):
+        name = _name(mark)
         for element in mark.iter():
             kind = _local_name(element)
             if kind == "Placemark" and element is not mark:
@@ -190,7 +223,7 @@ def _kml(root: Element, heights: Heights) -> Iterator[Shape]:
             if noun := _KML.get(kind):
                 reference = _REFERENCES.get((element.findtext("{*}altitudeMode") or "").strip(), "none")
                 places = (_track if kind == "Track" else _path)(element, heights)
-                yield Shape(noun, _name(mark), places, reference)
+                yield Shape(noun, name, places, reference)
 
 
 def _path(element: Element, heights: Heights) -> Iterator[Place]:
@@ -217,13 +250,14 @@ def _track(track: Element, heights: Heights) -> Iterator[Place]:
 def _mission(folder: Element, line: str, heights: Heights) -> Shape:
     """Mission that a drone executes; lines are where its camera is triggered again and again, else each leg."""
     marks = [mark for mark in folder.iterfind("{*}Placemark") if mark.find("{*}executeHeight") is not None]
-    shooting: set[int] = set()
+    turns = np.zeros(len(marks) + 1, int)  # groups that begin at a place, less those that end there
     for group in folder.iterfind(".//{*}actionGroup"):
         if group.findtext("{*}actionTrigger/{*}actionTriggerType", "").startswith("multiple"):
             ends = (group.findtext(f"{{*}}actionGroup{end}Index", "") for end in ("Start", "End"))
             start, stop = (int(heights.number(end, "action group")) for end in ends)
-            shooting.update(range(max(start, 0), min(stop, len(marks))))
-    legs = shooting or range(len(marks) - 1)
+            if (start := max(start, 0)) < (stop := min(stop, len(marks))):
+                turns[[start, stop]] += 1, -1
+    legs = {*np.flatnonzero(np.cumsum(turns)).tolist()} or range(len(marks) - 1)
     places = [
         Place((*at[:2], mark.findtext("{*}executeHeight")), line=f"{line}{number + 1}" if number in legs else "")
         for number, mark in enumerate(marks) for at, *_ in _path(mark, heights)

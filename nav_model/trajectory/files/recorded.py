@@ -4,7 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,7 @@ _LONGEST = 100 * 3600.0  # s
 _KNOT_EVERY = (2, 4, 8, 16, 32, 64)  # samples
 _FEWEST_SMOOTHED = 16  # samples; a spline through fewer is not fitted but goes through them
 _MOST_SEGMENTS = 500
+_CLOSEST = 1 / 300  # s between places that are flown: the smoothing of attitude takes as many at a time as are closer
 _PAUSE = 10.0  # median intervals, and seconds: a longer gap ends a segment
 _GENTLE = 0.25 * STANDARD_GRAVITY  # across a pause
 _SLOWEST = 1.0  # m/s with a course
@@ -74,11 +75,12 @@ def fly_recorded(segments: Sequence[RecordedSegment], heights: Heights) -> Plann
     """
     from scipy.ndimage import gaussian_filter1d
 
-    pieces = [piece for segment in segments for piece in _pieces(segment, heights)]
+    found = (piece for segment in segments for piece in _pieces(segment, heights))
+    pieces = [*islice(found, _MOST_SEGMENTS + 1)]
     if not pieces:
         raise heights.refuse("holds no two recorded places at different times")
     if len(pieces) > _MOST_SEGMENTS:
-        raise heights.refuse(f"{len(pieces)} segments; at most {_MOST_SEGMENTS} are flown. Cut it.")
+        raise heights.refuse(f"has more than {_MOST_SEGMENTS} segments, which are too many to be flown. Cut it.")
     if (north := max(float(np.abs(piece.rows[:, 1]).max()) for piece in pieces)) > math.degrees(HIGHEST_LATITUDE):
         raise heights.refuse(f"reaches {north:g}° of latitude; must stay within 85° of the equator")
     for piece, following in pairwise(pieces):
@@ -154,6 +156,12 @@ def _pieces(segment: RecordedSegment, heights: Heights) -> list[RecordedSegment]
     if again := int(np.sum(steps == 0.0)):
         heights.note(f"{counted(again, 'place')} left out, as their time is that of the one before")
         rows = rows[np.concatenate([[True], steps > 0.0])]
+    count = len(rows)
+    # One of each interval at most; of two on either side of its end the first: no three of these are as close.
+    rows = rows[np.diff(np.floor((rows[:, 0] - rows[0, 0]) / _CLOSEST), prepend=-1.0) > 0.0] if count else rows
+    rows = rows[np.diff(rows[:, 0], prepend=-np.inf) >= 0.5 * _CLOSEST]
+    if count > len(rows):
+        heights.note(f"{counted(count - len(rows), 'place')} left out that are closer than {1e3 * _CLOSEST:.1f} ms")
     if len(rows) < 2:
         return []
     rows[:, 2] = np.unwrap(rows[:, 2], period=360.0)

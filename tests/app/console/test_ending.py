@@ -126,7 +126,7 @@ def test_a_full_disk_is_a_fault_of_the_surroundings_and_a_closed_pipe_silent(com
     reading, pipe = os.pipe()
     os.close(reading)
     full = os.open("/dev/full", os.O_WRONLY)
-    for output, message in ((full, "navbudget: No space left on device\n"), (pipe, "")):
+    for output, message in ((full, "navbudget: standard output: No space left on device\n"), (pipe, "")):
         with _run(*command, stdout=output) as process:
             os.close(output)
             assert process.wait(PATIENCE) == 3

@@ -90,41 +90,41 @@ async def test_no_place_is_lost_at_whatever_moment_a_waiting_task_is_cancelled(m
     assert not tasks.turns.must_wait("a")
 
 
+async def test_a_long_run_of_one_visitor_leaves_a_place_for_another(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pool, "_size", 1)
+    cancellable._turns.cache_clear()
+    try:
+        async with cancellable._turns().place("a"):
+            assert cancellable._turns().must_wait("a")
+            assert not cancellable._turns().must_wait("b")
+    finally:
+        cancellable._turns.cache_clear()
+
+
 def _nothing(*, progress: object = None) -> None:
     """What takes no time."""
 
 
-async def test_pool_and_long_runs_let_another_visitor_in_before_the_rest_of_the_first(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+async def test_pool_lets_another_visitor_in_before_the_rest_of_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
     asking = ["a"]
     monkeypatch.setattr(pool, "_asking", lambda: asking[0])
     monkeypatch.setattr(pool, "_size", 1)
-    for queue in (pool._turns, cancellable._turns):
-        queue.cache_clear()
-    runs = {
-        "pool": lambda: pool.run_in_pool(_nothing),
-        "cancellable": lambda: cancellable.run_alone(_nothing, progress=lambda *_: None),
-    }
+    pool._turns.cache_clear()
+    order: list[str] = []
+
+    async def visit(name: str) -> None:
+        await pool.run_in_pool(_nothing)
+        order.append(name)
+
     try:
-        for kind, run in runs.items():
-            order: list[str] = []
-
-            async def visit(name: str, run: object = run, order: list[str] = order) -> None:
-                await run()  # type: ignore[operator]
-                order.append(name)
-
-            tasks = []
-            for name in ("a1", "a2", "a3", "b1"):
-                asking[0] = name[0]
-                tasks.append(asyncio.create_task(visit(name)))
-                await asyncio.sleep(0)
-            await asyncio.gather(*tasks)
-            assert order == ["a1", "a2", "b1", "a3"], kind
+        tasks = []
+        for name in ("a1", "a2", "a3", "b1"):
+            asking[0] = name[0]
+            tasks.append(asyncio.create_task(visit(name)))
+            await asyncio.sleep(0)
+        await asyncio.gather(*tasks)
+        assert order == ["a1", "a2", "b1", "a3"]
     finally:
-        for queue in (pool._turns, cancellable._turns):
-            queue.cache_clear()
-        while cancellable._waiting:
-            await cancellable._waiting.pop().end()
+        pool._turns.cache_clear()
         pool.stop()
         pool.pool.cache_clear()

@@ -1,8 +1,10 @@
 """Numbers as data sheets print them, in a design: what is written stays in the file, what counts is 1σ per axis."""
 
 import math
+import re
 
 import pytest
+from scipy.stats import chi
 
 from nav_model.base.errors import InputError
 from nav_model.design import Design
@@ -10,6 +12,12 @@ from nav_model.design.declaration import BaseQuantity
 from nav_model.design.file import format_design, parse_design
 from nav_model.design.link import from_query, to_query
 from nav_model.design.parts import declaration_of
+
+
+def chi_of_space(share: float) -> float:
+    """SciPy's radius of the sphere with a share of a normal distribution."""
+    return float(chi.ppf(share, 3))
+
 
 _CEP = math.sqrt(2 * math.log(2))  # of a circular normal distribution, in sigmas
 
@@ -27,6 +35,12 @@ def _conversion(design: Design, key: str) -> str:
         ("gnss.position_noise", "20 cm (CEP)", 0.2 / _CEP, "20 cm CEP = 17.0 cm, 1σ per axis"),
         ("gnss.position_noise", "2 m (R95)", 2 / 2.447747, "2 m R95 = 0.817 m, 1σ per axis"),
         ("gnss.position_noise", "2 m LE90", 2 / 1.644854, "2 m LE90 = 1.22 m, 1σ per axis"),
+        ("gnss.position_noise", "1.5 m 3D SEP 90 %", 1.5 / chi_of_space(0.9), "1.5 m SEP90 = 0.600 m, 1σ per axis"),
+        ("gnss.position_noise", "2 m SEP", 2 / chi_of_space(0.5), "2 m SEP = 1.30 m, 1σ per axis"),
+        ("gnss.position_noise", "3 m 3D RMS", math.sqrt(3), "3 m MRSE = 1.73 m, 1σ per axis"),
+        ("gnss.position_noise", "H: 8 mm RMS", 8e-3 / math.sqrt(2), "8 mm HRMS = 5.66 mm, 1σ per axis"),
+        ("gnss.position_noise", "2 m horizontal 95 %", 2 / 2.447747, "2 m R95 = 0.817 m, 1σ per axis"),
+        ("gnss.vertical_position_noise", "15 mm (VRMS)", 15e-3, "15 mm VRMS = 15.0 mm, 1σ per axis"),
         ("gnss.position_noise", "2 m 95 %", 2 / 1.959964, "2 m 95 % = 1.02 m, 1σ per axis, taken as of one axis"),
         ("imu.velocity_random_walk", "3 mg rms @ 100 Hz", 0.3e-3 * 9.80665,
          "3 mg @ 100 Hz = 0.177 m/s/√h over √(100 Hz)"),
@@ -105,3 +119,39 @@ def test_places_have_points_of_the_compass():
 def test_a_drift_is_no_random_walk():
     with pytest.raises(InputError, match=r"no angle random walk\. Write °/√h or °/h/√Hz"):
         parse_design('[imu]\nangle_random_walk = "0.3 °/h"\n')
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "reason"),
+    [
+        ("gnss.position_noise", "1 m 3DRMS", "Write a third of it as DRMS, or it as MRSE"),
+        ("gnss.position_noise", "H: 8 mm RMS, V: 15 mm RMS", "has two numbers. Write the one of this input"),
+        (
+            "gnss.position_noise",
+            "10 mm + 1.0 ppm (x baseline length)",
+            "grows with the base line. Give gnss.baseline",
+        ),
+        ("gnss.position_noise", "1 cm + 1 mm/km", "grows with the base line. Give gnss.baseline"),
+        ("gnss.vertical_position_noise", "2 m HRMS", "is of a circle"),
+        ("imu.gyro_bias", "10 °/h (-40 to 85 °C)", "is over a range of temperatures"),
+        ("gyro.scale_factor", "0.5 % FS", "is of a range"),
+        ("trajectory.heading_noise", "0.05° RMS @ 30 m/s", "holds at one speed"),
+        ("imu.accelerometer_bias", "5 mg (H)", "is not a unit of acceleration"),
+    ],
+)
+def test_what_has_no_value_or_two_meanings_is_asked_for(key: str, text: str, reason: str) -> None:
+    section, _, name = key.partition(".")
+    with pytest.raises(InputError, match=re.escape(reason)):
+        parse_design(f'[{section}]\n{name} = "{text}"\n')
+
+
+@pytest.mark.parametrize("words", ["@ 25 °C", "(+25°C)", "at 25 °C typ.", "(1σ, each axis)", "max"])
+def test_words_that_leave_a_number_as_it_is(words: str) -> None:
+    assert parse_design(f'[imu]\nangle_random_walk = "0.15 °/√h {words}"\n') == parse_design(
+        '[imu]\nangle_random_walk = "0.15 °/√h"\n'
+    )
+
+
+def test_a_ratio_may_be_a_plain_number() -> None:
+    assert Design({"gyro.scale_factor": 1e-3}).gyro.scale_factor == 1e-3
+    assert parse_design('[gyro]\nscale_factor = "1e-3"\n').gyro.scale_factor == 1e-3

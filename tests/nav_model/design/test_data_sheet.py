@@ -94,3 +94,16 @@ def test_hostile_rows_fill_nothing(text):
 def test_a_longer_text_than_a_table_is_refused():
     with pytest.raises(InputError, match="Paste the table alone"):
         read_data_sheet("1 m\n" * 2000)
+
+
+def test_blanks_are_joined_before_rows_are_told_apart(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = []
+
+    class Spy:
+        def split(self, text: str) -> list[str]:
+            seen.append(text)
+            return [text]
+
+    monkeypatch.setattr("nav_model.design.data_sheet._BETWEEN", Spy())
+    read_data_sheet("a" + " \t" * 2000 + "1\n" + " " * 500)
+    assert seen == ["a 1\n"]

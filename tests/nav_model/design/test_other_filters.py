@@ -46,7 +46,7 @@ def test_kalibr_reads_densities_in_si() -> None:
     assert walked == pytest.approx(gained, rel=0.01)
     # 0.3 °/√h is 0.005 °/s/√Hz by the usual rule of sixty.
     assert math.degrees(config["gyroscope_noise_density"]) == pytest.approx(0.3 / 60, rel=1e-12)
-    with pytest.raises(InputError, match="kalibr needs a random walk above zero"):
+    with pytest.raises(InputError, match="kalibr needs a bias above zero"):
         noise_for(DESIGN.replace({"imu.gyro_bias": 0.0}), "kalibr")
 
 

@@ -99,10 +99,10 @@ def test_a_line_at_the_end_of_a_plan_lacks_fixes_and_says_so() -> None:
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ([1, 1, 3, 4, 5], "tilt passes 2° (1σ) after 15 s; mostly gyro noise"),
-        ([3, 3, 4, 4, 5], "tilt is beyond 2° (1σ) from the start; mostly gyro noise"),
-        ([3, 1, 1, 1, 1], "tilt is beyond 2° (1σ) for 20 % of the line, first at its start; mostly gyro noise"),
-        ([1, 3, 1, 3, 1], "tilt is beyond 2° (1σ) for 40 % of the line, first after 5 s; mostly gyro noise"),
+        ([1, 1, 3, 4, 5], "tilt exceeds 2° (1σ) after 15 s; mainly from gyro noise"),
+        ([3, 3, 4, 4, 5], "tilt exceeds 2° (1σ) from the start; mainly from gyro noise"),
+        ([3, 1, 1, 1, 1], "tilt exceeds 2° (1σ) for 20 % of the line, first at its start; mainly from gyro noise"),
+        ([1, 3, 1, 3, 1], "tilt exceeds 2° (1σ) for 40 % of the line, first after 5 s; mainly from gyro noise"),
     ],
 )
 def test_how_long_a_figure_is_beyond_its_limit_is_told_as_it_is(values: list[float], words: str) -> None:

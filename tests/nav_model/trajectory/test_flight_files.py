@@ -7,12 +7,14 @@ import tracemalloc
 import zipfile
 from itertools import pairwise
 from pathlib import Path
+from xml.etree.ElementTree import Element
 
 import numpy as np
 import pytest
 
 from nav_model.base.errors import InputError
 from nav_model.simulation.trajectory import plan_trajectory
+from nav_model.trajectory.files import markup
 from nav_model.trajectory.files.reader import FlightFile, parse_file
 from nav_model.trajectory.plan import PlannedFlight
 from nav_model.trajectory.waypoints import Plan
@@ -199,7 +201,7 @@ def test_time_that_runs_backwards_is_named() -> None:
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        ([(30.0 * (k // 2) + k % 2, 1.0 * k) for k in range(2000)], "1000 segments; at most 500"),
+        ([(30.0 * (k // 2) + k % 2, 1.0 * k) for k in range(2000)], "more than 500 segments"),
         ([(k + 1e8 * (k > 9), 1.0 * k + 5e6 * (k > 9)) for k in range(20)], "too long to be flown"),
         ([(1.0 * k, 9.6e6 + k) for k in range(20)], "of latitude; must stay within 85°"),
     ],
@@ -439,11 +441,69 @@ def test_text_of_sixteen_bits_is_read() -> None:
 # --- bounds --------------------------------------------------------------------------------------------------
 
 
+def test_each_name_of_a_file_is_looked_for_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def name(element: Element) -> str:
+        asked.append(element.tag)
+        return ""
+
+    monkeypatch.setattr(markup, "_name", name)
+    with pytest.raises(InputError, match="a point without a place"):
+        parse_file(kml("<Point/>" * 50), "a.kml")
+    assert len(asked) == 1
+    parse_file(b"<gpx><trk>" + b"<trkseg><trkpt lat='1' lon='1'/></trkseg>" * 50 + b"</trk></gpx>", "a.gpx", 1.0)
+    assert asked[1:].count("trk") == 1
+
+
+@pytest.mark.parametrize(
+    "shape", ["<LineString/>", "<Folder><Placemark><executeHeight>1</executeHeight></Placemark></Folder>"]
+)
+def test_a_file_without_a_place_is_refused(shape: str) -> None:
+    with pytest.raises(InputError, match="without a place"):
+        parse_file(kml(shape), "a.kml", 1.0)
+
+
+@pytest.mark.parametrize(("step", "message"), [(1e-300, "no two recorded places"), (1e-9, "no two recorded places")])
+def test_places_closer_than_anything_flies_are_left_out(step: float, message: str) -> None:
+    head = "time_s,latitude_deg,longitude_deg,height_m\n"
+    with pytest.raises(InputError, match=message):
+        parse_file((head + "".join(f"{k * step},{1 + k * 1e-6},2,100\n" for k in range(30))).encode(), "a.csv")
+    rows = [(k + off, 1 + 1e-4 * k) for k in range(30) for off in (0.0, step)]
+    file = parse_file((head + "".join(f"{t!r},{north},2,100\n" for t, north in rows)).encode(), "a.csv")
+    assert file.flight is not None
+    assert file.flight.duration == 29.0
+
+
+def test_what_a_plan_holds_beside_waypoints_is_listed_in_short() -> None:
+    items = [item(16, 47 + k, 8, 120) for k in range(2)] + [item(1000 + k, 0, 0, 0) for k in range(3000)]
+    assert len(parse_file(plan(*items), "a.plan", ground=1.0).note) < 1000
+
+
+def gpx_segments(count: int) -> bytes:
+    """Recordings of two places ten seconds apart."""
+    place = "<trkpt lat='1' lon='{0}'><ele>1</ele><time>2026-05-01T08:00:{0}Z</time></trkpt>"
+    return (
+        f"<gpx><trk>{('<trkseg>' + place.format(10) + place.format(20) + '</trkseg>') * count}</trk></gpx>".encode()
+    )
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (kml("<Placemark>" * 50 + path() + "</Placemark>" * 50), "placemark within a placemark"),
-        (b"<kml>" + b"<a>" * 190_000 + b"</a>" * 190_000 + b"</kml>", "holds no path"),
+        (kml("<Placemark>" * 30 + path() + "</Placemark>" * 30), "placemark within a placemark"),
+        (b"<kml>" + b"<a>" * 190_000 + b"</a>" * 190_000 + b"</kml>", "nested more than 40 deep"),
+        (b"<kml>" + b"<LineString>" * 41 + b"</LineString>" * 41 + b"</kml>", "nested more than 40 deep"),
+        (b'<kml xmlns="' + b"x" * 201 + b'"><a/></kml>', "namespace of more than 200 characters"),
+        (b'<kml><a xmlns:b="' + b"x" * 201 + b'"/></kml>', "namespace of more than 200 characters"),
+        (kml("<Point/>" * 150_000), "a point without a place"),
+        (
+            b"<gpx><trk>"
+            + b"<trkseg><trkpt lat='1' lon='1'><ele>1</ele></trkpt></trkseg>" * 40_000
+            + b"</trk></gpx>",
+            "than 2000 points",
+        ),
+        (gpx_segments(20_000), "more than 500 segments"),
         (b"<kml>" + b"<a/>" * 500_000, "more than 400000 tags"),
         (b"<kml>" + b" " * 5_000_000 + b"</kml>", "more than 5 MB of XML"),
         (kml(f"<LineString><coordinates>{'8,47,1 ' * 600_000}</coordinates></LineString>"), "more than 2000 points"),
@@ -454,7 +514,7 @@ def test_text_of_sixteen_bits_is_read() -> None:
         (b"PK\x01\x02" * 3000, "more than 2000 files"),
         (b'<!DOCTYPE a [<!ENTITY b "c">]><kml>&b;</kml>', "declares entities"),
     ],
-    ids=range(11),
+    ids=range(17),
 )
 @pytest.mark.long
 def test_a_file_without_bounds_is_refused_while_it_is_read(content: bytes, message: str) -> None:

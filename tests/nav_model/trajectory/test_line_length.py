@@ -42,7 +42,7 @@ def test_heading_grows_along_a_straight_line_as_its_closed_form(states: int) -> 
     assert line.fails_at_s == pytest.approx(passes, abs=0.01 * passes + 1)  # judged just before the next fix
     minutes, seconds = divmod(round(line.fails_at_s), 60)
     mostly = "gyro noise" if WALK**2 * passes > np.interp(passes, t, drift) else "gyro bias instability"
-    assert line.because == f"heading passes 0.02° (1σ) after {minutes} min {seconds} s; mostly {mostly}"
+    assert line.because == f"heading exceeds 0.02° (1σ) after {minutes} min {seconds} s; mainly from {mostly}"
     (entry,) = to_json(flown, analyse(TACTICAL).verdict)["lines"]
     assert (entry["because"], entry["limits"]) == (line.because, {"heading": limit})
     heading = entry["figures"]["heading"]
@@ -60,11 +60,11 @@ def test_a_line_within_its_limits_fails_at_no_time_and_one_beyond_from_the_start
     )
     assert (within.fails_at_s, within.fails_by, within.because, length_in_words(within)) == (None, "", "", "")
     assert (beyond.fails_at_s, beyond.fails_by) == (0.0, "heading")
-    assert beyond.because == "heading is beyond 0.05° (1σ) from the start; mostly initial heading"
+    assert beyond.because == "heading exceeds 0.05° (1σ) from the start; mainly from initial heading"
     solved = [(within, 90.0), (within, MOST_RESERVE), (beyond, -20.0), (beyond, -50.0)]
     lines = [replace(line, longest_s=50.0 + longer, reserve_s=max(longer, 0.0)) for line, longer in solved]
     assert [length_in_words(line) for line in lines] == [
-        "may be 1 min 30 s longer", "may be more than 20 min longer", "at most 30 s long", "no length holds",
+        "may be 1 min 30 s longer", "may be more than 20 min longer", "up to 30 s", "no line is short enough",
     ]  # fmt: skip
 
 
@@ -80,7 +80,7 @@ def test_a_post_processed_line_with_which_the_flight_ends_has_no_length_that_hol
     before, after = with_lengths(_flown(design), design).lines
     assert before.reserve_s == MOST_RESERVE
     assert 0.9 * after.duration < after.fails_at_s < after.duration
-    assert (after.longest_s, length_in_words(after)) == (0.0, "no length holds")
+    assert (after.longest_s, length_in_words(after)) == (0.0, "no line is short enough")
 
 
 def _flown(design: Design) -> TrajectoryResult:

@@ -180,7 +180,7 @@ def test_an_acceleration_shows_the_heading_where_velocity_fixes_do() -> None:
     changes = {"gnss.velocity_noise": 0.01, "requirements.heading": 0.08 * DEGREE, "trajectory.lines": 1.0}
     design = PLAN.replace(changes)
     fine = manoeuvres(design)
-    option = named(fine, "Acceleration by 10% and back")
+    option = named(fine, "Speed up by 10% and back")
     assert (option.closes, option.where) == (True, "before line 1")
     # Both changes at 1 m/s² and the time between take the place of the usual run-in of 15 s.
     assert 2 * 1.875 * 9.0 < option.costs_s + 15.0 < 2 * 1.875 * 9.0 + 15.0
@@ -189,7 +189,7 @@ def test_an_acceleration_shows_the_heading_where_velocity_fixes_do() -> None:
     assert [row[4] for row in after.trajectory.waypoints] == [None, pytest.approx(99.0), None, None]
     assert all(line.closes for line in flown(after).lines)
     coarse = manoeuvres(design.replace({"gnss.velocity_noise": 0.5, "requirements.heading": 0.06 * DEGREE}))
-    assert not named(coarse, "Acceleration by 40% and back").closes
+    assert not named(coarse, "Speed up by 40% and back").closes
 
 
 def test_a_recorded_flight_is_answered_with_aids_and_imus_along_it_and_why_not_with_a_manoeuvre(

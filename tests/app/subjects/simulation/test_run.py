@@ -308,7 +308,7 @@ def test_everything_folded_opens_and_shows_the_result_that_comes_later(study: Si
     assert len(folded.select(pn.pane.Bokeh)) == seen + 4  # path and attitude, outage and spread
 
 
-def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: SimulationStudy) -> None:
+async def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: SimulationStudy) -> None:
     session = Session(DESIGN)
     page = SimulatePage(session)
     for change, message in (
@@ -325,17 +325,17 @@ def test_the_page_refuses_at_its_own_fields_and_marks_a_stale_result(study: Simu
         for name, value in change.items():
             setattr(page, name, value)
         with pytest.raises(InputError, match=f"^{message}"):
-            page._specification()
+            await page._specification()
         for name, value in before.items():
             setattr(page, name, value)
-    assert page._specification().outages == ((200.0, 300.0),)
+    assert (await page._specification()).outages == ((200.0, 300.0),)
     plan = {"trajectory.flight": "lines", "trajectory.outages": ((30.0, 40.0),)}
     planned = SimulatePage(Session(DESIGN.replace(plan)))
     planned.trajectory = "plan"
-    spec, flight = planned._specification(), trajectory_study.planned(DESIGN.replace(plan))
+    spec, flight = await planned._specification(), trajectory_study.planned(DESIGN.replace(plan))
     assert (spec.trajectory, spec.duration, spec.outages) == (flight.trajectory, flight.duration, ((30.0, 40.0),))
     assert session.enter("gyro.bias_instability", "25 °/h") is None
-    assert page._specification().imu.gyro.bias_instability == pytest.approx(25 * np.pi / 648_000)
+    assert (await page._specification()).imu.gyro.bias_instability == pytest.approx(25 * np.pi / 648_000)
     session.undo()
     assert not page._bar.state.object
     page.run.result = Flown(study, 12)

@@ -63,7 +63,7 @@ def test_an_option_that_is_pressed_turns_the_verdict_and_is_undone(session: Sess
     page.follow()
     assert "before the last change" in page._head.object
     page._take(answer.options[1].name)  # of a plan that is no longer there
-    assert "Fly the candidates again" in page._bar.message
+    assert "Compare the options again" in page._bar.message
     session.undo()
     page.follow()
     assert session.design == planned
@@ -142,12 +142,12 @@ def test_the_words_of_an_answer() -> None:
     assert rows[2][5:] == [
         "33 % more",
         "1 min 1 s longer",
-        "Its bank loses fixes for 40 s, and costs more than it buys",
+        "Its bank loses fixes for 40 s, and no gain",
     ]
     same = replace(steep, useless=False, lost_s=0.0, figures={"heading": Limited(2.999e-3, 1e-3, 2e-3)})
     (row,) = options_table(replace(answer, options=(same,)), failing()).rows
-    assert [cell.text for cell in row][5:] == ["the same", "1 min 1 s longer", "Costs more than it buys"]
+    assert [cell.text for cell in row][5:] == ["no change", "1 min 1 s longer", "No gain"]
     none = Manoeuvres("line 3", ("line 3",), False, answer.figures, (steep,))
-    assert options_answer(none).word == "✗ None of these closes line 3"
+    assert options_answer(none).word == "✗ No single option is enough for line 3"
     assert options_answer(Manoeuvres("line 3", (), True, fig)).word == "✓ Every line keeps its limits"
     assert "aria-label" in html_of(options_table(answer, failing()))

@@ -33,6 +33,7 @@ from app.subjects.trajectory.figures import FIGURES, main_figure
 from app.subjects.trajectory.kml import NAMESPACE, as_kml
 from app.subjects.trajectory.page import TrajectoryPage, as_csv, as_json
 from app.subjects.trajectory.plan_file import as_plan
+from app.subjects.trajectory.run import closing_options
 from app.subjects.trajectory.tables import line_list, line_table, verdict
 from app.work import flight as engine
 from app.work.flight import File, Followed, follow
@@ -116,11 +117,11 @@ def test_the_page_solves_how_long_lines_may_be_when_asked_and_forgets_it_with_th
     session.change(TWO_LINES)
     after(page, page.begin)
     assert page._bar.start.visible
-    assert [column.title for column in line_list(page.run.result, page.figure).columns][-1] == "Limit"
+    assert [column.title for column in line_list(page.run.result, page._shown).columns][-1] == "Limit"
     after(page, lambda: page.begin(by_itself=False, lengths=True))
     assert not page._bar.start.visible
-    assert [row[-1].text for row in line_list(page.run.result, page.figure).rows] == ["no length holds"] * 2
-    assert "no length holds" in html_of(line_table(page.run.result, page.figure))
+    assert [row[-1].text for row in line_list(page.run.result, page._shown).rows] == ["no line is short enough"] * 2
+    assert "no line is short enough" in html_of(line_table(page.run.result, page._shown))
     assert page._bar.message == ""
     session.change({"trajectory.length": 3100.0})
     after(page, page.begin)
@@ -163,12 +164,45 @@ def test_the_map_numbers_the_lines_and_colours_them_by_their_verdict(followed: F
     assert drawn["turn"].all()
     assert not drawn["closes"].any()
     assert [point.names for point in chart.points] == [("1", "2")]
-    # The middle of the second line lies 1 km to the right of that of the first, whatever the heading.
+    # The second number lies 1 km to the right of the first line, whatever the heading, and half a line farther on.
     first, second = (np.array([chart.points[0].x[i], chart.points[0].y[i]]) for i in (0, 1))
-    assert math.hypot(*(second - first)) == pytest.approx(1.0, rel=0.02)
-    spans = [span for span in timelines(followed, "tilt")[0].spans if span.style]
+    apart = second - first
+    ahead = np.array(
+        [np.interp(result.lines[0].stop_s, result.time_s, way) for way in (followed.east, followed.north)]
+    )
+    ahead = ahead / 1000 - first
+    along = apart @ ahead / math.hypot(*ahead)
+    assert along == pytest.approx(1.5, rel=0.02)
+    assert apart[0] * ahead[1] - apart[1] * ahead[0] == pytest.approx(math.hypot(*ahead), rel=0.02)
+    spans = [span for span in timelines(followed, "tilt")[0].spans if span.faint]
     assert [(span.label, span.style) for span in spans] == [(f"line {n}", "does not close") for n in (1, 2)]
     assert [(span.start, span.stop) for span in spans] == [(line.start_s, line.stop_s) for line in result.lines]
+
+
+def test_the_quantity_that_decides_is_shown_first(followed: Followed) -> None:
+    over = {
+        name: max(line.worst[name] / level for line in followed.result.lines if (level := line.limits.get(name)))
+        for name in followed.result.lines[0].limits
+    }
+    assert main_figure(followed) == max(over, key=lambda name: over[name]) != "horizontal_position"
+
+
+def test_a_limit_is_drawn_wherever_its_quantity_is_with_the_moment_at_which_it_is_passed(followed: Followed) -> None:
+    time, level = followed.result.time_s, math.radians(0.01)
+    rises = 2 * level * time / time[-1]  # passes its limit half way
+    real_time = replace(followed.result.real_time, figures={**followed.result.real_time.figures, "tilt": rises})
+    limited = followed.design.replace({"requirements.tilt": level})
+    charts = timelines(
+        replace(followed, design=limited, result=replace(followed.result, real_time=real_time)), "tilt"
+    )
+    for chart in (charts[0], charts[3]):
+        assert [limit.level for limit in chart.limits] == pytest.approx([0.01])
+    assert [limit.level for limit in charts[1].limits] == [followed.design.requirements.horizontal_position]
+    beyond = [span for span in charts[2].spans if span.style == "limit"]
+    step = time[-1] / len(time) * 2
+    assert [(span.start, span.stop) for span in beyond] == [(pytest.approx(time[-1] / 2, abs=step), time[-1])]
+    minutes, seconds = divmod(round(beyond[0].start), 60)
+    assert [points.names for points in charts[0].points] == [(f"{minutes}:{seconds:02d}",)]
 
 
 def test_every_figure_can_be_chosen_and_exported(followed: Followed) -> None:
@@ -286,6 +320,12 @@ def test_a_file_of_waypoints_goes_into_the_design_and_others_are_refused_by_name
     with pytest.raises(InputError, match=r"Flight: .* too long for this page"):
         follow(first_design().replace({"trajectory.duration": 1e5}))
     dense = {"trajectory.duration": 7000.0, "radar.aperture_time": 1.0}
+    with pytest.raises(InputError, match=r"Flight: 2900 s have too many fixes for an aperture of 80 s: too long"):
+        follow(
+            first_design().replace({"trajectory.duration": 2900.0, "gnss.interval": 0.1, "radar.aperture_time": 80.0})
+        )
+    with pytest.raises(InputError, match=r"Flight: .* more than 15000 fixes: too long"):
+        closing_options(first_design().replace({"trajectory.duration": 2e4}), progress=lambda *_: None)
     with pytest.raises(InputError, match=r"the flight takes 35\d+ steps, at most 30000"):
         follow(first_design().replace(dense))
 
@@ -362,7 +402,7 @@ def test_a_report_has_the_lines_of_the_design_that_it_is_of(
     section, drawn = study_sections({"trajectory": followed}, followed.design, "d1")
     assert section.blocks[0].word == "✗ Does not close"
     assert [block.chart.title for block in drawn.blocks if isinstance(block, ChartBlock)][:2] == [
-        "Map", FIGURES[main_figure(followed.result)].label,
+        "Map", FIGURES[main_figure(followed)].label,
     ]  # fmt: skip
     design, target = tmp_path / "two.toml", tmp_path / "r.html"
     biased = followed.design.replace({"imu.gyro_bias": 1e-7})
