@@ -51,16 +51,20 @@ class PresetInput(DesignInput[None]):
         }
 
     def take(self, text: str) -> InputError | None:
-        """Fill the section from an entry, or leave its values without one; a receiver class goes with its values."""
+        """Fill the section from an entry, or leave its values without one; a receiver class goes with its values.
+
+        Another IMU comes with its whole sheet, also where the one before was without.
+        """
         if not text and self.section == "gnss":
             changes = without_class(self.session.design)
             return self.session.change(changes, dict.fromkeys(changes, ""))
         if not text:
             return self.session.change({self.key: None})
         design, origins = self.session.design, {}
-        values, units = preset_fill(self.section, text, design.baseline, sheet=design.imu.sheet)
-        if self.section == "imu" and design.imu.sheet:
-            origins = sheet_origins(find("imu", text))
+        whole = design.imu.sheet or text != preset_of(design, "imu")
+        values, units = preset_fill(self.section, text, design.baseline, sheet=whole)
+        if self.section == "imu" and whole:
+            values["imu.sheet"], origins = True, sheet_origins(find("imu", text))
         if self.section == "radar":
             extra = find("radar", text).extra
             values |= {f"flight.{key}": item.value for key, item in extra.items()}

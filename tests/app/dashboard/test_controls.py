@@ -247,8 +247,7 @@ def test_the_whole_sheet_comes_with_the_unit_and_goes_with_the_switch(session: S
     sheet.enter("imu.sheet", "true")
     assert "choose an IMU from the catalogue first" in sheet.row("imu.sheet")["error"]
     sheet.enter("imu.preset", "STIM300")
-    assert session.design.gyro.bias_instability == 0.0
-    sheet.enter("imu.sheet", "true")
+    assert sheet.row("imu.sheet")["text"] == "true"
     assert sheet.row("gyro.bias_instability")["text"].startswith("0.5")
     assert "TS1524" in sheet.row("gyro.bias_instability")["note"]
     sheet.enter("imu.preset", "HG1700")
@@ -257,6 +256,16 @@ def test_the_whole_sheet_comes_with_the_unit_and_goes_with_the_switch(session: S
     sheet.enter("imu.sheet", "false")
     assert session.design.gyro.turn_on_bias == 0.0
     assert "gyro.turn_on_bias" not in session.design.origins
+    sheet.enter("imu.preset", "HG1700")  # as the button does that restores its values
+    assert not session.design.imu.sheet
+    assert session.design.gyro.turn_on_bias == 0.0
+    session.change({"imu.preset": "LN-200"})  # as a file may name one
+    sheet.enter("imu.sheet", "true")
+    assert session.design.imu.sheet
+    sheet.enter("imu.sheet", "false")
+    sheet.enter("imu.preset", "STIM300")
+    assert session.design.imu.sheet
+    assert session.design.gyro.bias_instability > 0.0
 
 
 def test_every_option_of_a_choice_reaches_the_design(session: Session) -> None:
