@@ -28,7 +28,7 @@ class Cell:
     """A table cell; ``mark`` is a word beside the text and ``tone`` (good, bad, warn, quiet) how it is set.
 
     ``sort`` replaces the text when the table is sorted; an empty text puts the row last. ``value`` is what
-    a person chooses with the button, or the tick, that the cell then is.
+    a person chooses with the button, or the tick, that the cell then is. ``more`` unfolds under the text.
     """
 
     text: str
@@ -36,6 +36,7 @@ class Cell:
     tone: str = ""
     sort: float | str | None = None
     value: str = ""
+    more: str = ""
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ an outage, is shown as it was given: a limit of 2 m is not one of 2.00 m.
 
 import math
 import re
+from collections.abc import Sequence
 
 from nav_model.aperture.geometry import phase_to_metres
 from nav_model.base.units import format_quantity, from_si, plain_number, to_si
@@ -59,6 +60,24 @@ def show(value: float, dimension: str, *, given: bool = False, like: float | Non
         if size == 0:
             unit = ladder[-2] if dimension == "length" else ladder[-1]
     return f"{number(from_si(value, unit, dimension), given=given)}{'' if unit == '°' else ' '}{unit}"
+
+
+def in_one_unit(values: Sequence[float | None], dimension: str) -> tuple[str, ...]:
+    """The values [SI] of a column in one unit: the largest in which none is below one, while none has four digits.
+
+    >>> in_one_unit((0.00866, 0.198, None), "speed"), in_one_unit((0.002, 5.0), "length")
+    (('8.66 mm/s', '198 mm/s', '–'), ('0.200 cm', '500 cm'))
+    """
+    sizes = [abs(value) for value in values if value] or [1.0]
+    units = [(least, unit) for least, unit in _LEAST[dimension] if max(sizes) < 999.5 * least] or _LEAST[dimension][
+        :1
+    ]
+    unit = next((unit for least, unit in units if min(sizes) >= least), units[-1][1])
+    if dimension == "angle":
+        unit = "arcsec" if max(sizes) < _SMALL_ANGLE else "°"
+    between = "" if unit == "°" else " "
+    numbers = (None if value is None else number(from_si(value, unit, dimension)) for value in values)
+    return tuple(NONE if text is None else f"{text}{between}{unit}" for text in numbers)
 
 
 def show_in(value: float, unit: str, dimension: str, *, given: bool = False) -> str:

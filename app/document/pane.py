@@ -109,6 +109,9 @@ def _chosen(cell: Cell, html: Prose, tick: bool = False) -> str:
 
 def _cell(cell: Cell, html: Prose) -> str:
     text = html(cell.text).replace("\n", "<br>")
+    if cell.more:
+        more = html(cell.more).replace("\n", "<br>")
+        return f"<details><summary>{text}</summary>{more}</details>"
     if cell.mark:
         return f'{text} <span class="mark {cell.tone}">{escape(cell.mark)}</span>'
     return f'<span class="tone {cell.tone}">{text}</span>' if cell.tone else text

@@ -6,7 +6,7 @@ from html import escape
 from app.charts.kinds import Dot, DotChart
 from app.document.numbers import number
 
-_COMING = "after the runs"
+_COMING = "…"
 
 
 def ranks_html(chart: DotChart, best: str = "") -> str:

@@ -213,6 +213,8 @@ _NAMES = {
     "horizontal velocity": "velocity",
 }
 _WITHOUT_COLON = re.compile(r"^\s*((?:after\s+)?[\d.]+\s*(?:s|min)|no outage)\s+(?=[a-z])", re.I)
+_PRINTED = re.compile(r"\s*(none|[\d.]+\s*(?:s|min))\s+real time\s+(.*?)\s*", re.I)
+_VALUES = re.compile(r"–|[\d.]+(?:·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?\s?[^\d\s–]+")
 _ENTRY = re.compile(r"\s*([a-z][a-z /&]*?)\s*[:=]?\s+(?=[±<≤~\d.])(.+?)\s*", re.I)
 
 
@@ -220,17 +222,22 @@ def read_row(text: str, baseline: float | None = None) -> tuple[Given, ...]:
     """A row such as "60 s: horizontal 0.10 m, vertical 0.07 m, velocity 0.015 m/s, roll and pitch 0.005°".
 
     The time may also be "no outage". Values are one sigma per axis, or say what they are: "0.10 m CEP", and
-    "1 cm + 1 ppm" at the base line [m].
+    "1 cm + 1 ppm" at the base line [m]. A row may also be one as `vendor_table` is printed: "60 s real
+    time 6.59 m …".
 
     Raises
     ------
     InputError
         Naming what is not understood.
     """
+    if printed := _PRINTED.fullmatch(text):
+        named = zip(COLUMNS, _VALUES.findall(printed[2]), strict=False)
+        given_in = ", ".join(f"{name} {value}" for name, value in named if value != "–")
+        text = f"{printed[1].lower().replace('none', 'no outage')}: {given_in}"
     time, colon, rest = _WITHOUT_COLON.sub(r"\1: ", text, count=1).partition(":")
     if not colon or len(text) > _LONGEST:
         example = 'Name each value: "60 s: horizontal 0.10 m, heading 0.010°".'
-        raise InputError("row", f"{text[:80]!r} is not a row of a table. {example}", text)
+        raise InputError("row", f"{text[:80]!r} could not be read. {example}", text)
     settled = time.strip().lower() in {"no outage", "0"}
     try:
         outage = 0.0 if settled else parse_quantity(re.sub(r"(?i)\b(after|outage)\b", "", time).strip(), "time").value

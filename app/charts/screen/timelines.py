@@ -200,9 +200,11 @@ def _columns(charts: Sequence[Chart], heights: Sequence[_Range]) -> dict[str, di
 
 
 def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
-    """Each curve's name at its end, above it, or below where it would touch the upper one or the frame; the span's
-    name in the last chart, on the time axis if it has a colour, else upright at the beginning of a wide span: the
-    names of curves may be at its end."""
+    """Each curve's name at its end, above it, or below where it would touch the upper one, a limit or the frame.
+
+    The span's name is in the last chart, on the time axis if it has a colour, else upright at the beginning of a wide
+    span: the names of curves may be at its end.
+    """
     low, high = (_place(chart, bound) for bound in height)
     ends = []
     for line in chart.lines:
@@ -212,7 +214,8 @@ def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
     ends.sort(key=lambda end: (end[0], -end[1]))
     offsets: list[float] = []
     for i, (x, y, line) in enumerate(ends):
-        above, near, lower = high, _NEAR, 0.0
+        over = (limit.level for limit in chart.limits if limit.start <= x <= limit.stop and limit.level > y)
+        above, near, lower = min([high, *(_place(chart, level) for level in over)]), _NEAR, 0.0
         if i and ends[i - 1][0] == x:
             above = _place(chart, ends[i - 1][1])
             near = _NEAR if offsets[-1] < 0 else 2 * _NEAR  # a name below its curve is nearer to the next one

@@ -7,8 +7,8 @@ import panel_material_ui as pmui
 import param
 
 from app.declared import declared, required
-from app.document.blocks import Block, Bullets, Row, TableBlock, Text, numbers, table
-from app.document.numbers import NONE, number, show
+from app.document.blocks import Block, Bullets, TableBlock, Text, numbers, table
+from app.document.numbers import NONE, in_one_unit, number, show
 from app.document.pane import html_of
 from app.document.wording import input_in_words
 from app.session import Session
@@ -41,17 +41,17 @@ _CAUSES = (
 
 def vendor_block(design: Design, key: str, unit: str = "") -> TableBlock:
     """The table of the design, or with another IMU of the catalogue."""
-
-    def value(name: str, sigma: float | None) -> str:
-        return NONE if sigma is None else show(sigma, FIGURES[COLUMNS[name].outage].dimension)
-
-    rows: list[Row] = []
-    for row in vendor_table(with_unit(design, unit) if unit else design):
-        values = (value(*item) for item in row.values.items())
-        rows.append((f"{row.outage:g} s" if row.outage else "None", row.processing, *values))
+    rows = vendor_table(with_unit(design, unit) if unit else design)
+    columns = (
+        in_one_unit([row.values[name] for row in rows], FIGURES[of.outage].dimension) for name, of in COLUMNS.items()
+    )
+    cells = [
+        (f"{row.outage:g} s" if row.outage else "None", row.processing, *values)
+        for row, values in zip(rows, zip(*columns, strict=True), strict=True)
+    ]
     heads = numbers(*(column.label for column in COLUMNS.values()), width=1)
     title = f"Errors {f'with {unit} ' if unit else ''}as data sheets print them, 1σ"
-    return table(f"{key}-vendor", title, (("Outage", 0.7), ("Processing", 1), *heads), rows, _NOTE)
+    return table(f"{key}-vendor", title, (("Outage", 0.7), ("Processing", 1), *heads), cells, _NOTE)
 
 
 def implied_blocks(design: Design, inversion: Inversion) -> list[Block]:
@@ -95,8 +95,8 @@ class VendorPanel(View):
         self.param.unit.objects = [_OWN, *whole]
         self.table = html_pane("")
         self.rows = TextArea(
-            label="A vendor's table in real time, a row a line", placeholder=_EXAMPLE, rows=3, max_length=3000,
-            sizing_mode="stretch_width", margin=(12, 10, 4, 10),
+            label="Vendor's table in real time, one row per line, e.g. 60 s: horizontal 0.10 m",
+            placeholder=_EXAMPLE, rows=3, max_length=3000, sizing_mode="stretch_width", margin=(12, 10, 4, 10),
         )  # fmt: skip
         self.ask = pmui.Button(label="Which noise does it imply?", variant="outlined", margin=(4, 10))
         self.take = pmui.Button(label="Use in the design", variant="contained", visible=False, margin=(4, 10))
@@ -125,7 +125,7 @@ class VendorPanel(View):
         try:
             self._inversion = await run_in_pool(invert, design, rows)
         except InputError as error:
-            self.answer.object = html_of(Text(f"Not solved. {error}"))
+            self.answer.object = html_of(Text(f"Not solved. {error.reason if error.key == 'row' else error}"))
             return
         self.answer.object = html_of(*implied_blocks(design, self._inversion))
         self.take.visible = self._inversion.determined

@@ -43,7 +43,7 @@ def catalogue_table(kind: Kind, chosen: str) -> TableBlock:
             Column("IMU" if kind == "imu" else "Radar", sortable=True),
             *graded,
             *numbers(*(f"{heading} [{unit}]" for _, heading, _, unit in columns), sortable=True),
-            "Source and status",
+            "Source",
         ),
         (_row(entry, columns, entry.name == chosen) for entry in catalogue(kind).values()),
         _STATUS,
@@ -53,21 +53,31 @@ def catalogue_table(kind: Kind, chosen: str) -> TableBlock:
 def _row(entry: Entry, columns: tuple[tuple[str, str, str, str], ...], chosen: bool) -> Row:
     values = {**entry.values, **entry.extra}
     return (
-        Cell(entry.name, "● in the design" if chosen else "", sort=entry.name),
-        *((entry.grade,) if entry.kind == "imu" else ()),
+        Cell(entry.name.replace(" ", "\u00a0"), "● in the design" if chosen else "", sort=entry.name),
+        *((entry.grade.replace(" ", "\u00a0"),) if entry.kind == "imu" else ()),
         *(_value(values.get(key), dimension, unit) for key, _, dimension, unit in columns),
-        "\n".join(filter(None, (*_sources(values), entry.note))),
+        _source(values, columns, entry.note),
     )
 
 
 def _value(item: SourcedValue | None, dimension: str, unit: str) -> Cell:
     if item is None:
         return Cell("not given", tone="quiet", sort="")
-    printed, digits = ("", _DIGITS) if item.unit == unit else (f"printed {item.text}", _digits_of(item.text))
-    text = "\n".join(
-        filter(None, (number(from_si(item.value, unit, dimension), digits, given=True), printed, item.kind))
+    digits = _DIGITS if item.unit == unit else _digits_of(item.text)
+    text = f"{number(from_si(item.value, unit, dimension), digits, given=True)} {item.kind}".rstrip()
+    return Cell(text, "" if item.confirmed else "⚠", "" if item.confirmed else "warn", item.value)
+
+
+def _source(values: dict[str, SourcedValue], columns: tuple[tuple[str, str, str, str], ...], note: str) -> Cell:
+    """The worst status; unfolded, each source, what is printed in other units than the column's, and the note."""
+    printed = (
+        f"{heading}: printed {values[key].text}"
+        for key, heading, _, unit in columns
+        if key in values and values[key].unit != unit
     )
-    return Cell(text, "" if item.confirmed else f"⚠ {item.status}", "" if item.confirmed else "warn", item.value)
+    doubtful = [item.status for item in values.values() if not item.confirmed]
+    status = f"⚠\u00a0{doubtful[0]}" if doubtful else "confirmed"
+    return Cell(status, more="\n".join(filter(None, (*_sources(values), *printed, note))))
 
 
 def _digits_of(text: str) -> int:

@@ -8,7 +8,7 @@ from bokeh.document import Document
 from bokeh.document.events import ColumnDataChangedEvent
 from bokeh.models import HoverTool
 
-from app.charts.kinds import Chart, Line, Points
+from app.charts.kinds import Chart, LimitLine, Line, Points
 from app.charts.screen.figures import DrawnChart, to_bokeh
 from app.charts.screen.timelines import Timelines
 from app.examples import example
@@ -125,6 +125,9 @@ def test_a_name_that_has_no_room_above_its_curve_is_below_it():
         "worst": True,
         "steady": False,
     }
+    limited = replace(_chart(), y_range=(0.0, 100.0), limits=(LimitLine("limit", "limit", 0.0, 1e9, 17.0),))
+    names = Timelines([limited])._sources["test labels"].data
+    assert names["offset"][names["text"].index("worst")] > 0  # the limit is as near
     lines = under_the_frame.lines
     near = Timelines([replace(under_the_frame, lines=(*lines, replace(lines[1], key="c", y=lines[1].y - 0.1)))])
     worst, second = sorted(offset for offset in near._sources["test labels"].data["offset"] if offset > 0)

@@ -13,7 +13,7 @@ from app.cli import main
 from app.document.bars import bars_html
 from app.document.blocks import Text
 from app.document.display import Display
-from app.document.numbers import NONE, show, show_in
+from app.document.numbers import NONE, show_in
 from app.document.tiles import tiles_html
 from app.document.verdict import check_words, verdict_of, verdict_strip
 from app.examples import example
@@ -36,6 +36,7 @@ from nav_model.design.figures import FIGURES, REQUIRED, label_of, of_kind
 from nav_model.design.other_filters import noise_for
 from nav_model.design.processing import REAL_TIME
 from nav_model.design.user_entries import read_entries
+from nav_model.explore.vendor_table import read_row, vendor_table
 
 _FACTOR = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "km": 1e3, "mm/s": 1e-3, "cm/s": 1e-2, "m/s": 1.0,
            "°": math.pi / 180, "arcsec": math.pi / 648000}  # fmt: skip
@@ -385,7 +386,7 @@ def test_vendor_table_on_page_report_and_console_is_one(capsys):
     assert "without the design's contributors" in told_table["of"]
     block = vendor_block(design, "d", "ADIS16495-1")
     assert [row[1].text for row in block.rows] == [row["processing"] for row in rows]
-    assert block.rows[2][2].text == show(rows[2]["horizontal_position_sigma_m"], "length")
+    assert block.rows[2][2].text == show_in(rows[2]["horizontal_position_sigma_m"], "cm", "length")
     assert rows[0]["heading_sigma_rad"] is None
     assert block.rows[0][6].text == NONE
     report = sections(analyse(design), "d")
@@ -441,3 +442,20 @@ def test_noise_for_other_filters_is_written_or_refused(capsys) -> None:
     assert capsys.readouterr().out == noise_for(example("mems_x_band"), "kf-gins")
     assert main(["export", MEMS, "--for", "kalibr", "--set", "imu.gyro_bias=0 °/h"]) == 2
     assert "imu.gyro_bias" in capsys.readouterr().err
+
+
+def test_a_row_of_the_vendors_table_is_read_as_it_is_printed_and_a_column_has_one_unit() -> None:
+    block = vendor_block(example("mems_x_band"), "d")
+    for printed, row in zip(block.rows, vendor_table(example("mems_x_band")), strict=True):
+        texts = [cell if isinstance(cell, str) else cell.text for cell in printed]
+        if row.processing != "real time":
+            continue
+        for separator in ("\t", " "):
+            entries = {entry.column: entry for entry in read_row(separator.join(texts))}
+            assert {name: entry.value for name, entry in entries.items()} == pytest.approx(
+                {name: value for name, value in row.values.items() if value is not None}, rel=0.006
+            )
+            assert {entry.outage for entry in entries.values()} == {row.outage}
+    for column in zip(*(list(row)[2:] for row in block.rows), strict=True):
+        texts = [cell if isinstance(cell, str) else cell.text for cell in column]
+        assert len({text.lstrip("0123456789.") for text in texts if text != "–"}) == 1, texts
