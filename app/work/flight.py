@@ -26,7 +26,7 @@ from nav_model.design import Design
 from nav_model.design.parts import Trajectory
 
 if TYPE_CHECKING:
-    from nav_model.trajectory.manoeuvre import Manoeuvres
+    from nav_model.explore.manoeuvre import Manoeuvres
     from nav_model.trajectory.plan import PlannedFlight
     from nav_model.trajectory.result import TrajectoryResult
 

@@ -25,7 +25,7 @@ _MOST_FIELDS = 500  # there are not half as many names
 MAX_QUERY = 16_000  # characters; browsers and proxies cut longer addresses
 STUDY_PREFIX = "study."
 """Start of the names of a suborbital study's inputs, where they stand beside a design's."""
-SETTINGS = ("simulation", "trajectory", "sar", "explore", "search", "map", "uncertainty", "review")
+SETTINGS = ("simulation", "trajectory", "sar", "explore", "close", "search", "map", "uncertainty", "review")
 """The studies, questions and reviews whose settings stand beside a design's inputs, their names behind a point:
 ``sar.runs=200``."""
 _ORIGIN_PREFIX = "origin."

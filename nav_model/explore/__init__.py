@@ -1,5 +1,8 @@
 """Inverse questions to the closed forms: which sensors are needed, and what to improve.
 
+- `levers`: the changes of a design that engineers have, declared once.
+- `closing`: the smallest sets of levers with which a design closes.
+- `manoeuvre`: turns, aids and units that would close the lines of a flight.
 - `margins`: how far designs are from their requirements, over arrays.
 - `solve`: the largest noise, interval or time that still meets each requirement.
 - `rank`: exact sensitivities of a figure to every input.

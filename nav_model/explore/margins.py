@@ -1,6 +1,6 @@
 """Value over limit of each requirement, for arrays of designs."""
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from typing import cast
 
 import numpy as np
@@ -8,13 +8,19 @@ import numpy as np
 from nav_model.base.arrays import Array
 from nav_model.budget import verdict
 from nav_model.budget.figures import figures
-from nav_model.budget.inputs import Inputs, Replacement, inputs_of
+from nav_model.budget.inputs import VARIABLES, VARYING_KEYS, Inputs, Replacement, inputs_of
 from nav_model.design import Design, Value
 from nav_model.design import figures as declared
-from nav_model.design.parts import quantity
+from nav_model.design.parts import PRESET_KEYS, quantity
 
 ALL = "all requirements"
 """Name of the result that is the largest value over limit of every requirement given."""
+
+_AT_ONCE = 250  # designs in one pass: a slow error takes 0.2 MB for each
+_NO_CHOICE = (*PRESET_KEYS, "imu.sheet")  # names of where numbers come from
+
+Columns = Mapping[str, Array | None]
+"""Dotted key -> values of an input for several designs, None where it is left out."""
 
 
 def limits(design: Design) -> dict[str, float]:
@@ -34,6 +40,61 @@ def ratios_of(design: Design, x: Inputs) -> dict[str, Array]:
     """As `ratios`, from inputs made before."""
     allowed = limits(design)
     return {name: sigma / allowed[name] for name, sigma in figures(x, list(allowed)).items()}
+
+
+def alike(design: Design, trials: Sequence[Mapping[str, Value]]) -> Iterator[tuple[list[int], Design, Columns]]:
+    """Changes of a design in groups that one pass through the formulas can take.
+
+    A choice, an input that is left out, and biases that vary are no numbers: what differs in them is apart.
+
+    Parameters
+    ----------
+    design : Design
+    trials : sequence of mapping
+        Dotted key -> value in SI, each mapping a change by itself.
+
+    Yields
+    ------
+    tuple
+        Numbers of the trials, at most `_AT_ONCE`, the design with their choices, and their numeric inputs as columns.
+    """
+    groups: dict[tuple[frozenset[tuple[str, Value]], Hashable], list[int]] = {}
+    for n, trial in enumerate(trials):
+        choices = frozenset(
+            (key, value) for key, value in trial.items() if key not in VARIABLES and key not in _NO_CHOICE
+        )
+        empty = frozenset(key for key, value in trial.items() if value is None)
+        varies = any(trial.get(key, design[key]) for key in VARYING_KEYS if not key.endswith("_time"))
+        numeric = frozenset(key for key in trial if key in VARIABLES and design[key] is None)
+        groups.setdefault((choices, (empty, numeric, varies)), []).append(n)
+    for (choices, _), members in groups.items():
+        base = design.replace(dict(choices))
+        for start in range(0, len(members), _AT_ONCE):
+            chunk = members[start : start + _AT_ONCE]
+            keys = dict.fromkeys(key for n in chunk for key in trials[n] if key in VARIABLES)
+            yield chunk, base, {key: _column(design, [trials[n] for n in chunk], key) for key in keys}
+
+
+def _column(design: Design, trials: Sequence[Mapping[str, Value]], key: str) -> Array | None:
+    """Values of an input, the design's where a trial leaves it; None where it is left out."""
+    values = [trial.get(key, design[key]) for trial in trials]
+    return None if values[0] is None else np.array(values, float)
+
+
+def ratios_of_trials(design: Design, trials: Sequence[Mapping[str, Value]]) -> dict[str, Array]:
+    """As `ratios`, of changes of any inputs, each by itself; NaN for a design that would be refused.
+
+    Parameters
+    ----------
+    design : Design
+    trials : sequence of mapping
+        Dotted key -> value in SI.
+    """
+    by_limit = {name: np.full(len(trials), np.nan) for name in limits(design)}
+    for members, base, columns in alike(design, trials):
+        for name, ratio in ratios(base, columns).items():
+            by_limit[name][members] = ratio
+    return by_limit
 
 
 def worst(by_requirement: Mapping[str, Array]) -> Array:

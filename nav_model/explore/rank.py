@@ -17,14 +17,14 @@ import numpy as np
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError, not_a_choice
 from nav_model.budget.figures import figures
-from nav_model.budget.inputs import VARIABLES, inputs_of
+from nav_model.budget.inputs import VARIABLES, Replacement, inputs_of
 from nav_model.budget.refusals import imaged_inputs
 from nav_model.budget.smoothed import model_of
 from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import FIGURES, OF_BUDGET
 from nav_model.design.parts import quantity
-from nav_model.explore.margins import least, usual_range
+from nav_model.explore.margins import Columns, least, usual_range
 
 _STEP = 1e-20
 RANKED = tuple(name for name in OF_BUDGET if FIGURES[name].kind != "response")
@@ -107,7 +107,7 @@ def stated(design: Design) -> list[str]:
 
 
 def log_derivatives(
-    design: Design, keys: Sequence[str], names: Sequence[str], changes: Mapping[str, Array] | None = None
+    design: Design, keys: Sequence[str], names: Sequence[str], changes: Columns | None = None
 ) -> dict[str, Array]:
     """d ln(figure)/d ln(input), exact.
 
@@ -126,8 +126,8 @@ def log_derivatives(
     dict
         Figure -> array of shape (len(keys), ...) with the shape of the changes behind.
     """
-    base = {key: np.asarray(value, float) for key, value in (changes or {}).items()}
-    shape = np.broadcast_shapes(*(value.shape for value in base.values()))
+    base: dict[str, Replacement] = dict(changes or {})
+    shape = np.broadcast_shapes(*(np.shape(value) for value in base.values() if value is not None))
     identity = np.eye(len(keys)).reshape(len(keys), len(keys), *(1 for _ in shape))
     stepped = dict(base)
     for i, key in enumerate(keys):

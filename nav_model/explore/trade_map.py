@@ -1,9 +1,7 @@
 """A map of any figure over any two inputs: thousands of designs in one evaluation."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
@@ -117,18 +115,6 @@ def trade_map(design: Design, x_key: str, y_key: str, result: str = ALL, size: i
     allowed = 1.0 if result == ALL else decisive(design, result)[1]
     limit = math.nan if allowed is None else allowed
     return TradeMap(x_key, y_key, result, x, y, z, limit, _points(design, x_key, y_key, result, limit))
-
-
-def closing_pairs(design: Design, keys: Sequence[str], size: int = 3) -> tuple[tuple[str, str], ...]:
-    """The pairs of some inputs on whose map a design closes, by a grid of ``size`` points along each side."""
-    pairs = tuple(combinations(keys, 2))
-    axes = {key: axis(design, key, size) for key in keys}
-    x, y = (index.ravel() for index in np.indices((size, size)))
-    changes = {key: np.full((len(pairs), size * size), _here(design, key)) for key in keys}
-    for row, (x_key, y_key) in enumerate(pairs):
-        changes[x_key][row], changes[y_key][row] = axes[x_key][x], axes[y_key][y]
-    largest = np.broadcast_to(worst(ratios(design, dict(changes))), (len(pairs), size * size))
-    return tuple(pair for pair, closes in zip(pairs, np.any(largest <= 1, axis=1), strict=True) if closes)
 
 
 def _value(design: Design, changes: dict[str, Array], result: str) -> Array:

@@ -242,7 +242,7 @@ def test_what_is_folded_opens_and_follows(desk: Page) -> None:
 
 def test_what_would_close_it_is_one_press_away(desk: Page) -> None:
     desk.get_by_role("button", name="What would close it").click()
-    way = desk.get_by_role("button", name=re.compile("^IMU: ")).first
+    way = desk.get_by_role("button", name=re.compile("^IMU Sagem")).first
     expect(way).to_be_visible()
     desk.keyboard.press("Escape")
     expect(way).to_be_hidden()

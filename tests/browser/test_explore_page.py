@@ -15,7 +15,7 @@ def _open(visit: Visit, question: str = "What would close it", **size: int) -> P
     page = visit("/#explore", **size)
     if size.get("width", 1440) < 1000:
         page.keyboard.press("Escape")  # the drawer, open over a narrow page
-    expect(page.get_by_text("Each of these alone closes the design")).to_be_visible()
+    expect(page.get_by_text("Each of these sets closes the design")).to_be_visible()
     page.get_by_role("button", name=question, exact=True).click()
     return page
 

@@ -2,16 +2,30 @@
 
 import asyncio
 import inspect
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from typing import Any
 
 from waiting import soon
+
+from app.work.run import Run
+
+_START = Run.start
 
 
 async def at_once(function: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
     """Instead of a worker process."""
     await asyncio.sleep(0)
     return function(*arguments, **options)
+
+
+def start_to_the_end(run: Run, work: Callable[[Run], Awaitable[Any]]) -> asyncio.Task[None] | None:
+    """Instead of `Run.start`, as `_START` has it: where no event loop runs, up to the end of the work."""
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        when_done(lambda: _START(run, work))
+        return None
+    return _START(run, work)
 
 
 def when_done(do: Callable[[], Any], *runs: Any) -> None:

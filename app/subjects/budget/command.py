@@ -148,9 +148,21 @@ def check_lines(path: str, budget: Budget) -> list[str]:
     lines += [f"  caution: {caution}" for caution in cautions(budget)]
     lines += [
         f"  {SAID[other.processing]} it {_WOULD[other.state]}{tightest_words(other)}",
-        f"{path}: {_WORDS[verdict.state]} {judged(verdict)}{tightest_words(verdict)}{open_words(verdict)}",
+        f"{path}: {_WORDS[verdict.state]} {judged(verdict)}{tightest_words(verdict)}{open_words(verdict)}"
+        f"{_closing_words(budget)}",
     ]
     return [line.replace("−", "-") for line in lines]
+
+
+def _closing_words(budget: Budget) -> str:
+    """What must change, where the straight leg fails."""
+    if not budget.straight_leg().failing:
+        return ""
+    from app.document.closing import closing_in_short
+    from app.document.verdict import before_flight
+    from nav_model.explore.closing import closing_sets
+
+    return f"; {closing_in_short(closing_sets(budget.design))}{before_flight(budget.design)}"
 
 
 _STATES = {"met": "met    ", "not met": "NOT MET", "open": "OPEN   ", "refused": "REFUSED"}

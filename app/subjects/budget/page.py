@@ -1,5 +1,7 @@
 """The Budget page: answer, key figures and the charts that explain them on one screen; details folded below."""
 
+from collections.abc import Mapping
+from functools import partial
 from html import escape
 from typing import Any
 
@@ -13,8 +15,15 @@ from app.charts.legend import key_html
 from app.charts.screen.timelines import Timelines
 from app.declared import required
 from app.document.bars import bars_html
-from app.document.blocks import Answer, KeyFigures
-from app.document.closing import Way
+from app.document.blocks import Answer, Block, KeyFigures, Text
+from app.document.closing import (
+    Way,
+    closing_block,
+    closing_options,
+    largest_values,
+    set_name,
+    ways_table,
+)
 from app.document.display import Display, display_of
 from app.document.pane import html_of
 from app.document.sicd import sicd_xml
@@ -23,7 +32,6 @@ from app.document.verdict import verdict_strip, verdicts_in_short
 from app.report.cautions import caution_list
 from app.session import Session
 from app.subjects.budget import charts, timelines
-from app.subjects.budget.closing import ways, ways_block
 from app.subjects.budget.key_figures import key_figures
 from app.subjects.budget.tables import echo_table, processing_table, requirement_table
 from app.subjects.budget.vendor import VendorPanel
@@ -43,12 +51,14 @@ from app.work.pool import run_in_pool
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
 from nav_model.budget.sicd import error_statistics
+from nav_model.budget.verdict import flown_names
 from nav_model.design import Design
+from nav_model.explore.closing import LeverSet, closing_sets
 
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 
 _OVER = {
-    "position": "absolute", "top": "100%", "left": "10px", "right": "10px",
+    "position": "absolute", "top": "100%", "left": "10px", "right": "10px", "width": "auto",
     "max-height": "60vh", "overflow-y": "auto",
     "background": "var(--panel-surface-color, Canvas)", "box-shadow": "0 6px 22px rgb(0 0 0 / 30%)",
 }  # fmt: skip
@@ -75,8 +85,8 @@ class BudgetPage(View):
             self._choose, label="Processing", options=verdicts_in_short(budget), value=budget.verdict.processing,
             margin=(8, 4), sizing_mode=None,
         )  # fmt: skip
-        self._ways: tuple[Way, ...] = ()
-        self._ways_of: Design | None = None
+        self._ways: Mapping[str, Way | LeverSet] = {}
+        self._ways_of: tuple[Design, str] | None = None
         self._table = SortableTable(self._take, over=True, margin=(4, 14))
         self._panel = pn.Column(self._table, visible=False, styles=FRAME | _OVER)
         self._strip = AnswerStrip(self._answer, self._mode, self._close, self._panel)
@@ -212,25 +222,38 @@ class BudgetPage(View):
         self._panel.visible = not self._panel.visible
         self._close.end_icon = "expand_less" if self._panel.visible else "expand_more"
         if self._panel.visible:
-            if self._ways_of != self.session.design:  # buttons for an earlier design are removed
+            if self._ways_of != self._asked:  # buttons for an earlier design are removed
                 self._table.html = "<p role='status'>Solving …</p>"
             self._find_ways()
 
+    @property
+    def _asked(self) -> tuple[Design, str]:
+        """The design, and what of it may change."""
+        return self.session.design, self.session.settings.get("close", "")
+
     def _find_ways(self) -> None:
-        if self._ways_of != self.session.design:
+        if self._ways_of != self._asked:
             pn.state.execute(self._solve)
 
     async def _solve(self) -> None:
         """In a worker: sliders move on meanwhile, and what was asked for an earlier design is dropped."""
-        design = self.session.design
-        closing_ways = await run_in_pool(ways, design)
-        if design == self.session.design:
-            self._ways, self._ways_of = closing_ways, design
-            self._table.html = html_of(ways_block(self.session.budget, closing_ways))
+        asked, budget = self._asked, self.session.budget
+        ways: Mapping[str, Way | LeverSet] = {}
+        if not budget.straight_leg().checks:
+            block: Block = Text("Give a limit under Requirements. What meets it then appears here.")
+        elif budget.straight_leg().closes:
+            largest = await run_in_pool(largest_values, budget.design)
+            block, ways = _largest(budget, largest), {way.text: way for way in largest}
+        else:
+            answer = await run_in_pool(partial(closing_sets, budget.design, **closing_options(asked[1])))
+            block, ways = closing_block(budget, answer), {set_name(each): each for each in answer.sets}
+        if asked == self._asked:
+            self._ways, self._ways_of = ways, asked
+            self._table.html = html_of(block)
 
     def _take(self, text: str) -> None:
-        way = next((way for way in self._ways if way.text == text), None)
-        if way is not None and self._ways_of == self.session.design:
+        way = self._ways.get(text)
+        if way is not None and self._ways_of == self._asked:
             self.session.change(way.changes, way.written)
             self._toggle_ways(None)
         elif not text and self._panel.visible:
@@ -272,6 +295,16 @@ class BudgetPage(View):
 
 def _ask(budget: Budget) -> str:
     return "Largest allowed values" if budget.verdict.closes else "What would close it"
+
+
+def _largest(budget: Budget, largest: tuple[Way, ...]) -> Block:
+    """The largest values that leave a straight leg closing; a flight that fails has its options on its own page."""
+    if budget.verdict.failing:
+        return Text("The straight leg meets its limits, the flight does not: see the options on Flight.")
+    if largest:
+        return ways_table(budget, largest)
+    where = " on a straight leg" if flown_names(budget.design) else ""
+    return Text(f"Every requirement is met{where}, whatever a single input is.")
 
 
 def requirements(budget: Budget) -> str:

@@ -1,7 +1,8 @@
 """A budget as sections of a design's report: the requirements first, then what explains them."""
 
 from app.document.allocation import allocation_table
-from app.document.blocks import Section, chart_block
+from app.document.blocks import Block, Section, chart_block
+from app.document.closing import closing_block
 from app.document.display import ONE_SIGMA, Display
 from app.subjects.budget import charts, timelines
 from app.subjects.budget.tables import (
@@ -16,6 +17,7 @@ from app.subjects.budget.tables import (
 )
 from app.subjects.budget.vendor import vendor_block
 from nav_model.budget import Budget
+from nav_model.explore.closing import closing_sets
 
 
 def sections(budget: Budget, key: str, display: Display = ONE_SIGMA) -> tuple[Section, ...]:
@@ -37,7 +39,7 @@ def sections(budget: Budget, key: str, display: Display = ONE_SIGMA) -> tuple[Se
         Section(
             f"{key}-requirements",
             "Requirements",
-            (requirement_table(budget, key), *contributors),
+            (requirement_table(budget, key), *_closing(budget), *contributors),
         ),
         *split,
         Section(f"{key}-processing", "Processing", (processing_table(budget, key),)),
@@ -54,3 +56,10 @@ def sections(budget: Budget, key: str, display: Display = ONE_SIGMA) -> tuple[Se
         ),
         Section(f"{key}-regime", "Gyro or accelerometer", (regime,)),
     )
+
+
+def _closing(budget: Budget) -> tuple[Block, ...]:
+    """What must change, where the straight leg fails."""
+    if not budget.straight_leg().failing:
+        return ()
+    return (closing_block(budget, closing_sets(budget.design), buttons=False),)

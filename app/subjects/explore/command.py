@@ -23,6 +23,7 @@ def _add_explore(commands: Any) -> None:
     explore = commands.add_parser("explore", help="questions about many designs, as JSON or CSV")
     questions = explore.add_subparsers(dest="question", required=True, metavar="QUESTION")
     helps = {
+        "close": "find what must change: the smallest sets of levers with which the design closes",
         "solve": "find the largest noise, interval or time that meets the requirements",
         "rank": "list the inputs that a figure depends on, strongest first",
         "map": "compute a result over a grid of two inputs",
@@ -36,6 +37,13 @@ def _add_explore(commands: Any) -> None:
         design_arguments(parser, single=True)
         parser.add_argument("--csv", action="store_true", help="as CSV instead of JSON")
         parser.set_defaults(run=_explore)
+    add = parsers["close"].add_argument
+    add("--allow", type=names, default=(), metavar="GROUP,...", help="groups to allow too: flight, radar")
+    add("--lock", type=names, default=(), metavar="NAME,...",
+        help="what must stay: keys of inputs, or groups (processing, velocity, receiver, imu ...)")  # fmt: skip
+    add("--at-most", type=int, default=3, metavar="N", help="levers of a set (default %(default)s)")
+    add("--reserve", type=percent, default=0.0, metavar="PERCENT", help="margin to keep (default 0)")
+    _sensor_files(parsers["close"])
     add = parsers["rank"].add_argument
     add("--result", metavar="FIGURE", help="figure to rank for (default: the design's first requirement)")
     add = parsers["map"].add_argument
@@ -43,10 +51,8 @@ def _add_explore(commands: Any) -> None:
         add(f"--{axis}", default=usual, metavar="KEY", help=f"input on the {axis} axis (default %(default)s)")
     add("--result", default="all requirements", metavar="FIGURE", help="result to map (default %(default)s)")
     add("--size", type=count, metavar="N", help="points along a side (default 64)")
+    _sensor_files(parsers["search"])
     add = parsers["search"].add_argument
-    for name, what in (("imus", "IMUs"), ("receivers", "receivers")):
-        help_text = f"catalogue file of your own {what}; may be repeated"
-        add(f"--{name}", action="append", default=[], metavar="FILE", help=help_text)
     help_text = (
         "residual biases of every IMU: the design's (default), zero, or the in-run biases of its sheet; sheet: the "
         "design's, with all errors that each sheet prints"
@@ -63,6 +69,20 @@ def _add_explore(commands: Any) -> None:
         help='range of an input, e.g. imu.angle_random_walk="0.1 °/√h .. 0.2 °/√h" (uniform; with log after it, '
         'log-uniform) or "0.15 °/√h */ 1.3" (typical value and factor, log-normal); may be repeated')  # fmt: skip
     add("--seed", type=int, default=1, metavar="S", help="seed of the samples (default 1)")
+
+
+def _sensor_files(parser: argparse.ArgumentParser) -> None:
+    for name, what in (("imus", "IMUs"), ("receivers", "receivers")):
+        help_text = f"catalogue file of your own {what}; may be repeated"
+        parser.add_argument(f"--{name}", action="append", default=[], metavar="FILE", help=help_text)
+
+
+def names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def percent(text: str) -> float:
+    return float(text.rstrip(" %")) / 100
 
 
 def count(text: str) -> int:

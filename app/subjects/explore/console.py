@@ -18,6 +18,7 @@ from nav_model.design.figures import FIGURES
 from nav_model.design.file import read_bytes
 from nav_model.design.offers import named_apart, offered
 from nav_model.design.processing import REAL_TIME
+from nav_model.explore.closing import LeverSet, closing_sets
 from nav_model.explore.margins import ALL, label_of, limits
 from nav_model.explore.rank import rank, sentence, silent
 from nav_model.explore.search import Candidate, left_out, search
@@ -29,7 +30,9 @@ from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
 from nav_model.explore.vendor_table import invert
 
 _OPTION = ("name", "kind", "where", "before_s", "costs_s", "closes", "useless", "lost_s")
-_JUDGED_BY_BUDGET = ("solve", "map", "search", "uncertainty")
+_CLOSE = ("allow", "lock", "at-most", "reserve")
+_SET = ("margin", "tightest", "price", "currency")
+_JUDGED_BY_BUDGET = ("close", "solve", "map", "search", "uncertainty")
 _CANDIDATE = ("imu", "gnss", "closes", "margin", "tightest", "dominant", "share")
 Rows = Iterable[Mapping[str, Any]]
 
@@ -57,6 +60,60 @@ def solved(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
         if row["outcome"] == "no value":
             row["what_would"] = {answer.key: answer.value for answer in remedies(solutions, str(row["requirement"]))}
     return {"solved": rows}, [{k: v for k, v in row.items() if k != "what_would"} for row in rows]
+
+
+def closed(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
+    """The smallest sets of levers that close a design, and each lever alone."""
+    try:
+        answer = closing_sets(
+            design,
+            allow=options.allow,
+            lock=options.lock,
+            at_most=options.at_most,
+            reserve=options.reserve,
+            imus=_entries("imu", options.imus),
+            receivers=_entries("gnss", options.receivers),
+        )
+    except InputError as error:
+        option = error.key.replace("_", "-")
+        raise (error.under(f"--{option}") if option in _CLOSE else error) from error
+    alone = [
+        {
+            "lever": each.lever.name,
+            "group": each.lever.group,
+            "changes": dict(each.lever.changes),
+            "closes": each.set.worst_ratio <= 1 - answer.reserve,
+            "worst_ratio": each.set.worst_ratio,
+            "because": each.because,
+        }
+        for each in answer.alone
+    ]
+    whole = {
+        "closes": answer.closes,
+        "worst_ratio": answer.today.worst_ratio,
+        "sets": [{**_set(each), "greater": [_set(more) for more in each.greater]} for each in answer.sets],
+        "alone": alone,
+        "nearest": None
+        if answer.nearest is None
+        else {
+            **_set(answer.nearest),
+            "failing": dict(answer.nearest.failing),
+            "would_help": [_set(each) for each in answer.helps],
+        },
+    }
+    flat = [
+        {"levers": "; ".join(row["levers"]), **{name: row[name] for name in _SET}} for row in map(_set, answer.sets)
+    ]
+    return whole, flat
+
+
+def _set(each: LeverSet) -> dict[str, Any]:
+    return {
+        "levers": [lever.name for lever in each.levers],
+        "groups": list(each.groups),
+        "changes": dict(each.changes),
+        **{name: getattr(each, name) for name in _SET},
+    }
 
 
 def ranked(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
@@ -193,7 +250,7 @@ def inverted(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
 
 def manoeuvred(design: Design, options: argparse.Namespace) -> tuple[Any, Rows]:
     """Options that would close the lines of the flight that fail."""
-    from nav_model.trajectory.manoeuvre import manoeuvres
+    from nav_model.explore.manoeuvre import manoeuvres
 
     try:
         with show_progress() as progress:
@@ -226,6 +283,7 @@ def _limited(figures: Mapping[str, Any]) -> dict[str, dict[str, float | None]]:
 
 
 QUESTIONS: Mapping[str, Callable[[Design, argparse.Namespace], tuple[Any, Rows]]] = {
+    "close": closed,
     "solve": solved,
     "rank": ranked,
     "map": mapped,
@@ -238,7 +296,7 @@ QUESTIONS: Mapping[str, Callable[[Design, argparse.Namespace], tuple[Any, Rows]]
 
 def explore(design: Design, options: argparse.Namespace) -> int:
     """Answer one question on standard output; 1 where rows of a vendor's table contradict each other, or nothing
-    would close a flight."""
+    would close the design or its flight."""
     if options.question == "rank" and options.result is None:
         options.result = next(iter(limits(design)), next(iter(FIGURES)))
     whole, rows = QUESTIONS[options.question](design, options)
@@ -246,8 +304,8 @@ def explore(design: Design, options: argparse.Namespace) -> int:
     before = flown_names(design) if options.question in _JUDGED_BY_BUDGET else ()
     named = {"before_flight": list(before)} if before else {}
     whole = {"processing": {"mode": design.processing.mode}, **named, **whole}
-    answers = whole.get("options", ())
-    failed = not whole.get("agree", True) or not (whole.get("closes", True) or any(row["closes"] for row in answers))
+    closing = whole.get("sets") or any(row["closes"] for row in whole.get("options", ()))
+    failed = not whole.get("agree", True) or not (whole.get("closes", True) or closing)
     if not options.csv:
         return put_json(lambda: whole) or int(failed)
     in_rows = {

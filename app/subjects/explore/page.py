@@ -12,10 +12,10 @@ from app.declared import declared, required
 from app.document.blocks import Answer
 from app.document.verdict import SAID, verdict_along
 from app.session import Session
+from app.subjects.explore.closing import ClosingPanel
 from app.subjects.explore.map import MapPanel
 from app.subjects.explore.question import NO_LIMIT, Question
 from app.subjects.explore.search import SearchPanel
-from app.subjects.explore.solved import SolvedPanel
 from app.subjects.explore.sweep import SweepPanel
 from app.subjects.explore.tables import biases_text
 from app.subjects.explore.uncertainty import UncertaintyPanel
@@ -29,7 +29,7 @@ from nav_model.budget import Budget
 from nav_model.budget.verdict import flown_names
 
 QUESTIONS: Mapping[str, type[Question]] = {
-    "What would close it": SolvedPanel,
+    "What would close it": ClosingPanel,
     "Sensors that pass": SearchPanel,
     "Trade-off map": MapPanel,
     "Probability": UncertaintyPanel,

@@ -10,7 +10,7 @@ from app.declared import declared, required
 from app.document.blocks import Answer
 from app.session import Session
 from nav_model.budget import Budget
-from nav_model.explore.search import Biases
+from nav_model.explore.levers import Biases
 
 NO_LIMIT = Answer(
     "No requirement is set", "open", ("Give a limit under Requirements to see which values and sensors meet it.",)

@@ -1,11 +1,15 @@
-"""The ranking of sensors, worked out in the page's process or in a worker, which loads nothing of the page."""
+"""Answers worked out in the page's process or in a worker, which loads nothing of the page."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from nav_model.design import Design
 from nav_model.design.catalogue import Entry
-from nav_model.explore.search import Biases, Candidate, left_out, own_candidate, search
+from nav_model.explore.closing import Closing, closing_sets
+from nav_model.explore.levers import Biases
+from nav_model.explore.search import Candidate, left_out, own_candidate, search
+from nav_model.explore.solve import Solution, solve
 
 
 @dataclass(frozen=True)
@@ -29,3 +33,8 @@ def ranked(design: Design, imus: Mapping[str, Entry], receivers: Mapping[str, En
     if biases == "design" and not any(row.closes for row in rows):
         unbiased = sum(row.closes for row in search(design, imus, receivers, "zero"))
     return Ranking(rows, own_candidate(design), left_out(imus, biases), unbiased)
+
+
+def changes_that_close(design: Design, options: Mapping[str, Any]) -> tuple[tuple[Solution, ...], Closing]:
+    """The largest value of each input, and the smallest sets of levers, `options` as `closing_sets` takes them."""
+    return solve(design, verify=False), closing_sets(design, **options)

@@ -37,8 +37,9 @@ from nav_model.base.text.csv_text import csv_of
 from nav_model.budget import Budget
 from nav_model.design.catalogue import Entry, Kind, catalogue
 from nav_model.design.offers import KINDS, Offers, merged_offers, named_apart, read_offers
+from nav_model.explore.levers import Biases, one_currency
 from nav_model.explore.margins import label_of
-from nav_model.explore.search import Biases, Candidate, check_pairs, one_currency
+from nav_model.explore.search import Candidate, check_pairs
 
 MAX_BYTES = 200_000
 _MOST_AT_ONCE = 100  # pairs ranked here, in a fifth of a second where they have slow errors; more in a worker

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from app.charts.kinds import TradeMapChart
 from app.document.blocks import Answer, Block, Cell, Column, Row, TableBlock, Text, numbers, table
-from app.document.closing import Way, beyond_one, ways_table
+from app.document.closing import Way, ways_table
 from app.document.numbers import margin_in_sentence, margin_in_short, number, percent, signed_percent
 from app.document.verdict import before_flight
 from app.document.wording import input_in_words
@@ -19,84 +19,47 @@ from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import figure_in_sentence
 from nav_model.design.parts import PRESET_KEYS, declaration_of, quantity
+from nav_model.explore.levers import Biases
 from nav_model.explore.margins import label_of
-from nav_model.explore.search import Biases, Candidate
-from nav_model.explore.solve import InputAnswer as Solved
-from nav_model.explore.solve import Solution, remedies, resolution_for, rounded_offer
+from nav_model.explore.search import Candidate
+from nav_model.explore.solve import Solution
 from nav_model.explore.sweep import Column as Swept
 from nav_model.explore.sweep import least_demanding, sweep_ratios
 from nav_model.explore.sweep_plan import SweepPlan
 from nav_model.explore.uncertainty import Probability, UncertainVerdict
 
 
-def answer(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way]) -> Answer:
-    """The input that matters most, how far it may go, and what it is now, for a budget with a requirement.
+def headroom_answer(budget: Budget, solutions: Sequence[Solution], ways: Sequence[Way]) -> Answer:
+    """For a design that closes: the input that matters most, how far it may go, and what it is now.
 
     Grey where the flight decides: what is solved is of the straight leg.
     """
-    leg = budget.straight_leg()
-    tightest = leg.tightest
-    assert tightest is not None
-    mark, tone = ("✓ ", "good") if leg.closes else ("✗ ", "bad")
-    if flown_names(budget.design):
-        mark, tone = "", "open"
-    wanted = next((each.key for each in solutions if quantity(each.key).source == tightest.dominant), "")
-    lever = next((way for way in ways if wanted in way.changes), ways[0] if ways else None)
-    if lever is None:
-        head = "Every input may take any allowed value" if leg.closes else "No single change closes it"
-        return Answer(f"{mark}{head}", tone, _stuck(budget, solutions))
-    ((key, value),) = lever.changes.items()
+    tightest = budget.straight_leg().tightest
+    mark, tone = ("", "open") if flown_names(budget.design) else ("✓ ", "good")
+    wanted = next((each.key for each in solutions if tightest and quantity(each.key).source == tightest.dominant), "")
+    most = next((way for way in ways if wanted in way.changes), ways[0] if ways else None)
+    if most is None:
+        sentence = "No requirement limits any input within its allowed range."
+        return Answer(f"{mark}Every input may take any allowed value", tone, (sentence,))
+    ((key, value),) = most.changes.items()
     now = next(solution.current for solution in solutions if solution.key == key)
     room = float(value) / now if now else math.inf  # type: ignore[arg-type]
-    gap = (
-        f"{number(1 / room)} ×" if room < 1 else ("at the limit" if room < 1.005 else f"{percent(room - 1)} headroom")
-    )
-    other = (f"Changing the {_name(wanted)} alone is not enough.",) if wanted and wanted not in lever.changes else ()
-    most = lever.value.removeprefix("at most ")
-    head = f"{lever.what} {'may be up to' if leg.closes else 'must be ≤'} {most}"
-    return Answer(
-        f"{mark}{head}", tone, (f"Now {lever.now}, {gap}.", *other, f"{lever.why[0].upper()}{lever.why[1:]}.")
-    )
+    gap = "at the limit" if room < 1.005 else f"{percent(room - 1)} headroom"
+    head = f"{most.what} may be up to {most.value.removeprefix('at most ')}"
+    return Answer(f"{mark}{head}", tone, (f"Now {most.now}, {gap}.", f"{most.why[0].upper()}{most.why[1:]}."))
 
 
-def _stuck(budget: Budget, solutions: tuple[Solution, ...]) -> tuple[str, ...]:
-    if budget.straight_leg().closes:
-        return ("No requirement limits any input within its allowed range.",)
-    sentences = []
-    for check in budget.straight_leg().checks:
-        if not check.met:
-            helps = ", ".join(_phrase(budget.design, solved) for solved in remedies(solutions, check.name))
-            name = figure_in_sentence(check.on)
-            sentences.append(
-                f"{helps[0].upper()}{helps[1:]} meets {name}." if helps else f"No single change meets {name}."
-            )
-    return (*sentences, beyond_one(budget))
-
-
-def _name(key: str) -> str:
-    return in_sentence(declaration_of(key).label)
-
-
-def _phrase(design: Design, solved: Solved) -> str:
-    return f"{_name(solved.key)} ≤ {_value(design, solved)}"
-
-
-def _value(design: Design, solved: Solved) -> str:
-    if solved.value is None:
-        return "any" if solved.outcome == "any value" else "none"
-    text = input_in_words(design, solved.key, rounded_offer(design, solved.key, solved.value).value, given=False)
-    if solved.key == "radar.aperture_time":
-        text += f" ({number(resolution_for(design, solved.value))} m resolution)"
-    return text
-
-
-def solved_blocks(budget: Budget, solutions: tuple[Solution, ...], ways: Sequence[Way]) -> Iterator[Block]:
+def solved_blocks(budget: Budget, solutions: Sequence[Solution], ways: Sequence[Way]) -> Iterator[Block]:
     """Every input with a value that closes the design, and the others by name."""
     if ways:
         yield ways_table(budget, ways)
-    helpless = [_name(solution.key) for solution in solutions if solution.together.outcome == "no value"]
+    helpless = [
+        in_sentence(declaration_of(solution.key).label)
+        for solution in solutions
+        if solution.together.outcome == "no value"
+    ]
     if helpless:
-        yield Text(f"Not enough alone: {', '.join(helpless)}.")
+        yield Text(f"No value alone is enough: {', '.join(helpless)}.")
 
 
 def map_answer(chart: TradeMapChart, here: float) -> Answer:

@@ -25,7 +25,7 @@ from nav_model.base.errors import InputError
 
 if TYPE_CHECKING:
     from nav_model.design import Design
-    from nav_model.trajectory.manoeuvre import Manoeuvres
+    from nav_model.explore.manoeuvre import Manoeuvres
 
 
 class ManoeuvreBlock(View):

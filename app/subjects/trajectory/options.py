@@ -17,7 +17,7 @@ _SAME, _NOTHING = 0.005, "no change"
 
 if TYPE_CHECKING:
     from nav_model.design import Design
-    from nav_model.trajectory.manoeuvre import Limited, Manoeuvres, Option
+    from nav_model.explore.manoeuvre import Limited, Manoeuvres, Option
 
 
 def options_answer(answer: Manoeuvres) -> Answer:

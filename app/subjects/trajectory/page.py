@@ -49,7 +49,7 @@ from nav_model.design.parts import Trajectory
 from nav_model.design.trajectory import AIDING, FLIGHT_FILES, LINES, MOST_WAYPOINTS, WAYPOINTS, Rows, row_of
 
 if TYPE_CHECKING:
-    from nav_model.trajectory.manoeuvre import Manoeuvres
+    from nav_model.explore.manoeuvre import Manoeuvres
     from nav_model.trajectory.result import TrajectoryResult
 
 _FILE = "file"

@@ -15,7 +15,7 @@ from nav_model.design import Design
 from nav_model.design.trajectory import Rows
 
 if TYPE_CHECKING:
-    from nav_model.trajectory.manoeuvre import Manoeuvres
+    from nav_model.explore.manoeuvre import Manoeuvres
 
 _MOST_FOR_OPTIONS = 15_000  # fixes of a flight that is flown some thirty times
 
@@ -34,8 +34,8 @@ def closing_options(
 
     Raises InputError as `follow` and `manoeuvres`, and for a flight too long to be flown for each option.
     """
+    from nav_model.explore.manoeuvre import manoeuvres
     from nav_model.trajectory.design_study import planned
-    from nav_model.trajectory.manoeuvre import manoeuvres
 
     flight = read_file(file, design) if file else None
     check_length(flight or planned(design), design, _MOST_FOR_OPTIONS)

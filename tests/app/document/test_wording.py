@@ -7,7 +7,6 @@ from app.document.verdict import verdict_of, verdict_strip
 from app.document.wording import preset_name
 from app.report.inputs import input_table
 from app.serving.server import first_design
-from app.subjects.budget.closing import ways
 from app.subjects.explore.charts import rank_chart
 from nav_model.budget import analyse
 from nav_model.design.presets import preset_fill
@@ -23,7 +22,6 @@ def test_an_edited_preset_is_custom_in_every_place() -> None:
     budget = analyse(edited)
     heads = [row[0].text for row in input_table(edited, budget.sar.aperture_time, "d").rows if len(row) == 1]
     assert any(head.endswith(": Custom, based on STIM300") for head in heads)
-    assert {way.now for way in ways(edited) if way.what == "IMU"} == {"Custom, based on STIM300"}
 
 
 def test_a_report_names_the_class_of_the_receiver_and_its_base() -> None:

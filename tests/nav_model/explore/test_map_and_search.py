@@ -1,17 +1,14 @@
 """Maps and the catalogue search against one analysis at a time."""
 
-from itertools import combinations, product
-
 import numpy as np
 import pytest
 
-from nav_model import read_design
 from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.design.catalogue import catalogue, read_catalogue
 from nav_model.explore.margins import ALL
 from nav_model.explore.search import OWN_GNSS, left_out, search
-from nav_model.explore.trade_map import SIZE, axis, changes_at, closing_pairs, place, trade_map
+from nav_model.explore.trade_map import SIZE, changes_at, place, trade_map
 
 ARW, VRW, GNSS = "imu.angle_random_walk", "imu.velocity_random_walk", "gnss.position_noise"
 OWN = """
@@ -112,14 +109,3 @@ def test_a_pair_that_is_adopted_has_the_margin_it_was_ranked_by(open_design):
             assert adopted.gnss.preset == (None if row.gnss == OWN_GNSS else row.gnss)
             margins = {check.name: check.margin for check in analyse(adopted).verdict.checks}
             assert row.margins == pytest.approx(margins, rel=1e-9)
-
-
-def test_pairs_that_close_a_design_do_in_the_whole_analysis_and_the_others_nowhere():
-    design = read_design("examples/mems_x_band.toml").replace({"imu.velocity_random_walk": 1 / 60})
-    keys = ["imu.angle_random_walk", "imu.velocity_random_walk", "gnss.position_noise", "coast.duration"]
-    pairs = closing_pairs(design, keys)
-    assert 0 < len(pairs) < 6
-    for pair in combinations(keys, 2):
-        places = product(*([float(value) for value in axis(design, key, 3)] for key in pair))
-        closes = [analyse(design.replace(dict(zip(pair, at, strict=True)))).verdict.closes for at in places]
-        assert any(closes) == (pair in pairs), pair

@@ -11,9 +11,10 @@ import panel as pn
 import pyarrow.parquet
 import pytest
 from bokeh.models import Line as LineGlyph
-from pages import at_once, when_done
+from pages import at_once, start_to_the_end, when_done
 from waiting import soon
 
+import app.subjects.explore.closing as closing_panel
 import app.subjects.explore.search as search_panel
 from app.charts.styles import STYLES
 from app.document.numbers import margin_in_short
@@ -29,6 +30,7 @@ from app.subjects.explore.search import EXAMPLE
 from app.subjects.explore.sweep import SweepPanel
 from app.subjects.explore.tables import uncertain_table
 from app.subjects.explore.uncertainty import range_of, row_of
+from app.work.run import Run
 from nav_model import read_design
 from nav_model.budget import analyse
 from nav_model.design.catalogue import catalogue
@@ -60,9 +62,16 @@ interval = { value = "0.2 s", status = "confirmed", source = "our bench" }
 MOST_AT_ONCE = search_panel._MOST_AT_ONCE
 
 
+@pytest.fixture(autouse=True)
+def _here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Answers are worked out in this process, up to the end."""
+    for panel in (search_panel, closing_panel):
+        monkeypatch.setattr(panel, "run_in_pool", at_once)
+    monkeypatch.setattr(Run, "start", start_to_the_end)
+
+
 @pytest.fixture
 def explore(monkeypatch: pytest.MonkeyPatch) -> ExplorePage:
-    monkeypatch.setattr(search_panel, "run_in_pool", at_once)
     monkeypatch.setattr(search_panel, "_MOST_AT_ONCE", 250)  # so that an answer is there at once
     session = Session(first_design())
     made = ExplorePage(session)
@@ -107,15 +116,41 @@ def test_an_address_names_a_question(explore: ExplorePage) -> None:
 def test_a_solved_value_is_taken_and_then_the_design_closes_at_its_limit(explore: ExplorePage) -> None:
     solved = explore.question
     assert not explore.session.budget.verdict.closes
-    assert solved.answer.word == "✗ Angle random walk must be ≤ 0.0240 °/√h"
-    solved._table._handle_msg("Angle random walk: at most 0.0240 °/√h")
+    assert "Angle random walk: at most 0.0240 °/√h" in solved._values.html
+    solved._values._handle_msg("Angle random walk: at most 0.0240 °/√h")
     verdict = explore.session.budget.verdict
     assert verdict.closes
     assert 0 <= verdict.tightest.margin < 0.01  # rounded down to three digits
     assert 'angle_random_walk = "0.024 °/√h"' in format_design(explore.session.design)
     explore.session.undo()
-    assert "Not enough alone: velocity random walk, vibration factor, position noise" in solved._table.html
-    solved._table._handle_msg("Angle random walk: at most 0.0250 °/√h")  # of a table that is no longer there
+    assert "No value alone is enough: velocity random walk, vibration factor, position noise" in solved._values.html
+    solved._values._handle_msg("Angle random walk: at most 0.0250 °/√h")  # of a table that is no longer there
+    assert explore.session.design == first_design()
+
+
+def test_a_set_of_levers_is_taken_whole_and_undone_whole(explore: ExplorePage) -> None:
+    close = explore.question
+    assert close.answer.word == "Closes with IMU Sagem Primus 200"
+    close._groups.value = ["processing", "velocity", "receiver"]
+    assert "IMU Sagem" not in close._sets.html
+    assert explore.session.settings["close"] == "close.changes=processing%2Cvelocity%2Creceiver"
+    close._sets._handle_msg("Process after the flight + velocity fixes of 3 cm/s, Doppler")
+    design = explore.session.design
+    assert (design.processing.mode, design.gnss.velocity_noise) == ("post-processed", 0.03)
+    assert explore.session.budget.verdict.closes
+    assert close.answer.tone == "good"
+    assert close._sets.html == ""
+    explore.session.undo()
+    assert explore.session.design == first_design()
+    close.reserve = "20"
+    assert "receiver DGNSS" not in close._sets.html
+    assert "receiver PPP" in close._sets.html
+    close._groups.value = ["receiver"]
+    assert close.answer.word == "✗ No set of these levers closes it"
+    text = " ".join(close.answer.sentences)
+    assert "Nearest: with receiver RTK; still over its limit: detrended phase 1.50 ×" in text
+    assert "With processing allowed, process after the flight closes it." in text
+    close._sets._handle_msg("IMU LN-100")  # of a table that is no longer there
     assert explore.session.design == first_design()
 
 
@@ -507,7 +542,7 @@ def test_what_only_a_flight_judges_is_named_and_hinders_no_advice() -> None:
     known, before = plain.question.answer, explore.question.answer
     assert known == replace(before, word=f"✓ {before.word}", tone="good")  # grey until it has been flown
     assert before.tone == "open"
-    assert explore.question._ways == plain.question._ways != ()
+    assert explore.question._ways == plain.question._ways != {}
     for name in ("What would close it", "Sensors that pass", "Trade-off map"):
         _ask(explore, name)
         assert "<h2>Before the flight: " in explore._strip._text.object, name
@@ -541,8 +576,7 @@ def test_advice_is_tried_and_the_contributor_that_alone_exceeds_a_limit_is_named
     design = read_design("examples/tactical_x_band.toml").replace({}, entries=read_entries({"contributors": [arm]}))
     explore = ExplorePage(Session(design))
     text = " ".join(explore.question.answer.sentences)
-    assert "No two of these inputs together close it either. Lever arm alone: 46.1° of 20" in text
-    assert "Trade-off map" not in text
+    assert "Lever arm alone: 46.1° of 20" in text
     assert "½ × lever arm" in explore.question._ranking.object
     lead = explore.question._head.object.replace("&quot;", '"').replace("\xa0", " ")
     assert re.search(r'Halving "Lever arm" cuts detrended phase by \d+ %\.', lead)

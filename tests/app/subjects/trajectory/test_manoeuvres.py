@@ -16,7 +16,7 @@ from app.subjects.trajectory.report import sections, study
 from app.work.flight import File, follow
 from nav_model.base.constants import DEGREE
 from nav_model.design import Design
-from nav_model.trajectory.manoeuvre import Limited, Manoeuvres, Option
+from nav_model.explore.manoeuvre import Limited, Manoeuvres, Option
 
 pytestmark = pytest.mark.long
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from operator import attrgetter
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -17,11 +17,10 @@ from nav_model.base.constants import DEGREE
 from nav_model.base.errors import InputError
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design, Value
-from nav_model.design.catalogue import catalogue
 from nav_model.design.declaration import in_sentence
-from nav_model.design.presets import preset_fill
 from nav_model.design.processing import REAL_TIME
 from nav_model.design.trajectory import LINES, WAYPOINTS, lines_in_words
+from nav_model.explore.levers import Lever, heading_levers, levers, velocity_levers
 from nav_model.trajectory.covariance import lines_along
 from nav_model.trajectory.design_study import along_flight, plan_of, planned, rows_of
 from nav_model.trajectory.line_length import line_longer
@@ -43,11 +42,6 @@ _BEYOND = 2.0  # s by which parts of a line overlap beyond an aperture
 _GENTLER = 0.95  # of the bank at which fixes are lost
 # Of each kind, what costs less comes first: of aids and IMUs the coarser. So the first that closes is the one to
 # take, and where one buys nothing, those after it are not flown (`_best`).
-_AIDS: Mapping[str, Mapping[str, float]] = {
-    "trajectory.heading_noise": {"Two antennas, 1 m apart": 0.3 * DEGREE, "Two antennas, 3 m apart": 0.1 * DEGREE},
-    "gnss.velocity_noise": {"Velocity fixes, Doppler": 0.03, "Velocity fixes, carrier phase": 0.01},
-}
-"""Input -> aid and the typical value that its declaration has for it."""
 _OF_THE_NOISE = (1 / 3, 1 / 10, 1 / 30)
 """Parts of the gyro noise that another IMU has at most."""
 _NO_BETTER = 0.98  # of the excess over a limit
@@ -351,10 +345,11 @@ def _manoeuvres(question: _Question) -> Iterator[Iterable[_Candidate]]:
 
 def _equipment(design: Design) -> Iterator[Iterable[_Candidate]]:
     """Aids and IMUs by kind, with which the same is flown: within one, the coarser come first."""
-    for key, aids in _AIDS.items():
-        has = math.inf if design[key] is None else float(design[key])  # type: ignore[arg-type]
+    for aids in (heading_levers(design), velocity_levers(design)):
         yield [
-            _Candidate(name, "aid", partial(_equipped, {key: value})) for name, value in aids.items() if value < has
+            _Candidate(each.name, "aid", partial(_equipped, each.changes))
+            for each in aids
+            if "gnss.velocity_interval" not in each.changes  # a flight of ten times the fixes
         ]
     yield _better_imus(design)
 
@@ -387,21 +382,23 @@ def _equipped(changes: Mapping[str, Value], plan: _Plan) -> _Plan:
 
 def _better_imus(design: Design) -> Iterator[_Candidate]:
     """IMUs of the catalogue with less noise: the noisiest of which the gyro has at most a part of the design's."""
-    imu = design.imu
-    walks = {
-        entry.name: entry.values["angle_random_walk"].value
-        for entry in catalogue("imu").values()
-        if {"angle_random_walk", "velocity_random_walk"} <= entry.values.keys()
-        and entry.values["velocity_random_walk"].value <= imu.velocity_random_walk
+    gyro = {
+        each.name: (_number(each, "imu.angle_random_walk"), each)
+        for each in levers(design, ["imu"])
+        if _number(each, "imu.velocity_random_walk") <= design.imu.velocity_random_walk
     }
-    names: dict[str, None] = {}
+    names: dict[str, Lever] = {}
     for part in _OF_THE_NOISE:
-        below = {name: walk for name, walk in walks.items() if walk <= part * imu.angle_random_walk}
+        below = [(noise, name) for name, (noise, _) in gyro.items() if noise <= part * design.imu.angle_random_walk]
         if below:
-            names[max(below, key=below.__getitem__)] = None
-    for name in names:
-        changes, written = preset_fill("imu", name, sheet=design.imu.sheet)
-        yield _Candidate(f"IMU {name}", "imu", partial(_equipped, changes), written=written)
+            noisiest = max(below)[1]
+            names[noisiest] = gyro[noisiest][1]
+    for each in names.values():
+        yield _Candidate(f"IMU {each.name}", "imu", partial(_equipped, each.changes), written=each.written)
+
+
+def _number(lever: Lever, key: str) -> float:
+    return float(cast("float", lever.changes[key]))
 
 
 def _candidate(

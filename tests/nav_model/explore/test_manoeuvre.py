@@ -11,11 +11,11 @@ from nav_model.base.constants import DEGREE
 from nav_model.base.errors import InputError
 from nav_model.design import Design
 from nav_model.design.trajectory import LIMITED
+from nav_model.explore.manoeuvre import Manoeuvres, Option, manoeuvres
 from nav_model.simulation.single_run import POSTERIOR
 from nav_model.simulation.single_run import fly as simulate
 from nav_model.trajectory.covariance import covariance
 from nav_model.trajectory.design_study import along_flight, lines_of, planned, rows_of
-from nav_model.trajectory.manoeuvre import Manoeuvres, Option, manoeuvres
 from nav_model.trajectory.plan import before_line, fly, in_parts
 from nav_model.trajectory.result import TrajectoryResult
 from nav_model.trajectory.waypoints import Plan, Waypoint
@@ -149,7 +149,7 @@ def test_a_turn_in_front_of_the_first_line_shows_the_heading_and_so_do_two_anten
     assert named(answer, "Two antennas, 1 m apart").costs_s == 0.0
     # A straight run-in shows no heading: the gyro's noise goes on growing.
     assert named(answer, "Run-in of 2 min").useless
-    assert not named(answer, "Velocity fixes, Doppler").closes
+    assert not named(answer, "Velocity fixes of 3 cm/s, Doppler").closes
 
 
 def test_the_shortest_turn_is_over_as_long_before_the_end_of_a_line_as_the_limit_lets_it_be() -> None:
