@@ -119,7 +119,7 @@ def test_the_readme_prints_what_the_command_prints(
     monkeypatch.chdir(ROOT)
     blocks = re.findall(r"```console\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
     commands = re.findall(r"\$ \.venv/bin/navbudget (.+)\n((?:[^$].*\n)+)", "".join(blocks))
-    assert len(commands) == 4
+    assert len(commands) == 3
     for command, printed in commands:
         words, _, last = command.partition(" | tail -1")
         main(shlex.split(words))

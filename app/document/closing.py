@@ -1,4 +1,4 @@
-"""What must change, as words and tables: sets of levers that close a design, each lever alone, largest values."""
+"""Answers to "what must change?" in words and tables: sets of levers, each lever alone, largest values of inputs."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple

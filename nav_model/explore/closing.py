@@ -1,4 +1,4 @@
-"""What must change: the smallest sets of levers with which a design meets its requirements.
+"""The answer to "what must change?": the smallest sets of levers with which a design meets its requirements.
 
 Sets grow: levers alone, pairs, then triples, one of a group, each level in a few passes through the formulas of the
 budget. What contains a set that closes is not tried. So the answer is that of an exhaustive enumeration.
@@ -317,7 +317,7 @@ def _helps(design: Design, off: Sequence[Lever], nearest: LeverSet) -> Iterator[
 
 
 def _reasons(design: Design, today: LeverSet, alone: Iterable[LeverSet]) -> Iterator[str]:
-    """Why each lever alone is not enough."""
+    """The reason why each lever alone is not enough."""
     tightest = analyse(design).straight_leg().tightest
     shares = tightest.shares if tightest else {}
     for each in alone:

@@ -60,7 +60,7 @@ class Lever:
     currency: str = ""
 
     def changes_in(self, design: Design) -> Mapping[str, Value]:
-        """What it sets that the design has otherwise."""
+        """The inputs that it sets and the design has otherwise."""
         return {key: value for key, value in self.changes.items() if design[key] != value}
 
 

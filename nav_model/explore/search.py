@@ -105,7 +105,9 @@ def _ranked(design: Design, pairs: Sequence[tuple[Lever, ...]]) -> list[Candidat
     """Candidates of a unit and a receiver each, the design's own where there is none."""
     if not (names := list(limits(design))):
         raise InputError("requirements", "none is given; give at least one limit to compare sensors with")
-    as_it_is = {"imu.angle_random_walk": design.imu.angle_random_walk}  # a column, also where nothing changes
+    as_it_is: dict[str, Value] = {
+        "imu.angle_random_walk": design.imu.angle_random_walk
+    }  # a column, also where nothing changes
     trials = [as_it_is | {key: value for lever in pair for key, value in lever.changes.items()} for pair in pairs]
     rows: dict[int, Candidate] = {}
     for members, base, columns in alike(design, trials):

@@ -155,7 +155,7 @@ def check_lines(path: str, budget: Budget) -> list[str]:
 
 
 def _closing_words(budget: Budget) -> str:
-    """What must change, where the straight leg fails."""
+    """The change that a design needs, where the straight leg fails."""
     if not budget.straight_leg().failing:
         return ""
     from app.document.closing import closing_in_short

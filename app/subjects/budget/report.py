@@ -59,7 +59,7 @@ def sections(budget: Budget, key: str, display: Display = ONE_SIGMA) -> tuple[Se
 
 
 def _closing(budget: Budget) -> tuple[Block, ...]:
-    """What must change, where the straight leg fails."""
+    """The change that a design needs, where the straight leg fails."""
     if not budget.straight_leg().failing:
         return ()
     return (closing_block(budget, closing_sets(budget.design), buttons=False),)

@@ -1,4 +1,4 @@
-"""What must change: sets of levers that close the design and each lever alone; beside them one value at a time, and
+"""Sets of levers that close the design, and each lever alone; beside them one value at a time, and
 what to improve first."""
 
 from collections.abc import Mapping

@@ -148,7 +148,7 @@ def test_a_set_of_levers_is_taken_whole_and_undone_whole(explore: ExplorePage) -
     close._groups.value = ["receiver"]
     assert close.answer.word == "✗ No set of these levers closes it"
     text = " ".join(close.answer.sentences)
-    assert "Nearest: with receiver RTK; still over its limit: detrended phase 1.50 ×" in text
+    assert "Nearest: with receiver RTK; still over its limit: quadratic phase 1.09 ×, detrended phase 1.50 ×" in text
     assert "With processing allowed, process after the flight closes it." in text
     close._sets._handle_msg("IMU LN-100")  # of a table that is no longer there
     assert explore.session.design == first_design()
