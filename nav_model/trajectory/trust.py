@@ -27,7 +27,11 @@ _FIGURES = {
     "tilt": slice(ATTITUDE, ATTITUDE + 2),
     "heading": slice(ATTITUDE + 2, ATTITUDE + 3),
 }
-_HEADING, _HEIGHT = ATTITUDE + 2, POSITION + 2
+_AIDS = (
+    ("heading", "the two antennas", "heading", ATTITUDE + 2),
+    ("barometer", "the barometer", "height", POSITION + 2),
+)
+"""Name of an aid in `Aids`, its sensor, what it shows, and the state of that."""
 
 
 def too_much_trust(spec: CovarianceSpec) -> tuple[str, ...]:
@@ -42,23 +46,18 @@ def too_much_trust(spec: CovarianceSpec) -> tuple[str, ...]:
 def _taken_for_white(spec: CovarianceSpec) -> Iterator[str]:
     """A sentence for each aid without a slow part."""
     aids = spec.study.aiding
-    show_angle, show_length = (quantity(f"trajectory.{name}").show for name in ("heading_noise", "barometer_noise"))
-    if (whole := aids.heading_noise) is not None and aids.heading_slow_noise == 0.0:
-        slow = replace(aids, heading_noise=_WHITE * whole, heading_slow_noise=whole)
+    for aid, sensor, figure, state in _AIDS:
+        whole, slow, time = _parts(aids, aid)
+        if whole is None or slow > 0.0:
+            continue
+        all_slow = replace(aids, **{f"{aid}_noise": _WHITE * whole, f"{aid}_slow_noise": whole})
+        show = quantity(f"trajectory.{aid}_noise").show
+        stays = quantity(f"trajectory.{aid}_correlation_time").show(time, 3)
         yield (
-            f"The {show_angle(whole, 3)} of two antennas are taken for white noise, which leaves "
-            f"{show_angle(_settled(spec, aids)[_HEADING], 3)} of heading. Most of such an accuracy stays for "
-            f"minutes: with the whole of it slow over {aids.heading_time:g} s (trajectory.heading_slow_noise) the "
-            f"heading is off by {show_angle(_settled(spec, slow)[_HEADING], 3)}."
-        )
-    if (whole := aids.barometer_noise) is not None and aids.barometer_slow_noise == 0.0:
-        slow = replace(aids, barometer_noise=_WHITE * whole, barometer_slow_noise=whole)
-        yield (
-            f"The {show_length(whole, 3)} of the barometer are taken for white noise, which leaves "
-            f"{show_length(_settled(spec, aids)[_HEIGHT], 3)} of height while fixes come. Most of such an accuracy "
-            f"is weather: with the whole of it slow over {aids.barometer_time / 3600:.3g} h "
-            f"(trajectory.barometer_slow_noise) it is {show_length(_settled(spec, slow)[_HEIGHT], 3)}, and without "
-            "fixes all of it."
+            f"The {show(whole, 3)} of {sensor} are taken for white noise, which leaves "
+            f"{show(_settled(spec, aids)[state], 3)} of {figure} while fixes come. Most of such an accuracy stays: "
+            f"with the whole of it slow over {stays} (trajectory.{aid}_slow_noise) that is "
+            f"{show(_settled(spec, all_slow)[state], 3)}."
         )
 
 
@@ -69,7 +68,7 @@ def _better_with_more_noise(spec: CovarianceSpec) -> Iterator[str]:
         better = {figure: float(gains[part].min()) for figure, part in _FIGURES.items()}
         if lower := [f"{figure} by {100 * gain:.2g} %" for figure, gain in better.items() if gain > _BETTER]:
             yield (
-                f"The filter trusts the {name} too much, as their errors are not white: {_MORE:g} times the noise "
+                f"The filter trusts {name} too much, as their errors are not white: {_MORE:g} times the noise "
                 f"that it assumes ({key}) would lower {' and '.join(lower)}."
             )
 
@@ -77,17 +76,20 @@ def _better_with_more_noise(spec: CovarianceSpec) -> Iterator[str]:
 def _with_more_noise(study: SimulationSpec) -> Iterator[tuple[str, str, Aids, ImuModel]]:
     """Sensors with an error that no filter knows: name, key of their noise, and aids and IMU with more of it."""
     aids, imu, more = study.aiding, study.imu, math.sqrt(_MORE**2 - 1.0)
-    if slow := aids.heading_slow_noise:
-        white = aids.heading_noise or 0.0
-        noise = math.hypot(white, more * math.hypot(white, slow))
-        yield "two antennas", "trajectory.heading_noise", replace(aids, heading_noise=noise), imu
-    if slow := aids.barometer_slow_noise:
-        white = aids.barometer_noise or 0.0
-        noise = math.hypot(white, more * math.hypot(white, slow))
-        yield "barometer's readings", "trajectory.barometer_noise", replace(aids, barometer_noise=noise), imu
+    for aid, sensor, _, _ in _AIDS:
+        whole, slow, _ = _parts(aids, aid)
+        if slow > 0.0:
+            white = whole or 0.0
+            noise = math.hypot(white, more * math.hypot(white, slow))
+            yield sensor, f"trajectory.{aid}_noise", replace(aids, **{f"{aid}_noise": noise}), imu
     if imu.accelerometer.scale_factor > 0.0:
         coarser = replace(imu.accelerometer, random_walk=_MORE * imu.accelerometer.random_walk)
-        yield "accelerometers", "imu.velocity_random_walk", aids, replace(imu, accelerometer=coarser)
+        yield "the accelerometers", "imu.velocity_random_walk", aids, replace(imu, accelerometer=coarser)
+
+
+def _parts(aids: Aids, aid: str) -> tuple[float | None, float, float]:
+    """White noise and slow error of an aid, and how long that lasts [s]."""
+    return getattr(aids, f"{aid}_noise"), getattr(aids, f"{aid}_slow_noise"), getattr(aids, f"{aid}_time")
 
 
 def _settled(spec: CovarianceSpec, aids: Aids, imu: ImuModel | None = None) -> list[float]:

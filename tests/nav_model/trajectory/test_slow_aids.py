@@ -138,7 +138,7 @@ def test_an_aid_that_is_taken_for_white_has_its_slow_figure_beside_it() -> None:
     text = sentences({"trajectory.heading_noise": 0.3 * DEGREE, "trajectory.barometer_noise": 3.0})
     white, slow = heading(0.3 * DEGREE, 0.0, 60.0), heading(0.03 * DEGREE, 0.3 * DEGREE, 60.0)
     assert f"leaves {math.degrees(white):.3g}° of heading" in text
-    figure = float(re.findall(r"the heading is off by ([\d.]+)°", text)[0])
+    figure = float(re.findall(r"heading_slow_noise\) that is ([\d.]+)°", text)[0])
     assert figure == pytest.approx(math.degrees(slow), rel=0.01)
     assert "(trajectory.barometer_slow_noise)" in text
     assert "too much" not in text
