@@ -52,6 +52,8 @@ def flight_arguments(parser: argparse.ArgumentParser, usual: str) -> None:
     add("--ground", metavar="G",
         help="height of the ground, or of the take-off, for a file with heights above it, e.g. '430 m' "
         "(default: the design's, unless that is 0)")  # fmt: skip
+    add("--columns", metavar="NAME,...",
+        help="columns of a table without names, e.g. week,time,latitude,longitude,height; - skips one")  # fmt: skip
     add("--every", type=float, metavar="S",
         help="spacing of the results (default 1 s; of the design's plan a 1200th, where that is more)")  # fmt: skip
     add("--states", type=int, choices=(9, 12, 15, 18, 21, 24), default=0,
@@ -118,7 +120,8 @@ def _of_file(
     if ground is None and design.trajectory.ground:
         ground = design.trajectory.ground
     try:
-        flight = read_file(options.trajectory, height, ground).flown(plan_like(design))
+        names = [name.strip() for name in (options.columns or "").split(",")] if options.columns else ()
+        flight = read_file(options.trajectory, height, ground, names).flown(plan_like(design))
     except OSError as error:
         known = ", ".join((PLAN, *NAMED_TRAJECTORIES))
         reason = f"{options.trajectory!r} is not a file that can be read. Name a {KINDS} file, or {known}."

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from nav_model.allan.log_names import COUNTS, SENSORS, Meaning, meaning_of, meanings_of, names_sensors
 from nav_model.base.errors import InputError, quoted
 from nav_model.base.text.file_kind import KINDS, kind_of
+from nav_model.base.text.message_dump import lines_of
 from nav_model.base.text.npz_arrays import read_npz_arrays
-from nav_model.base.text.number_table import NumberTable, open_table
+from nav_model.base.text.number_table import NumberTable, open_table, seconds_of
 
 IGNORED = "-"
 _ROLES = (*SENSORS, "time", "temperature")
@@ -24,6 +25,7 @@ _RATE_WORDS = re.compile(
     r"[\s/#%]*(?:(?:imu|log|data|sensor|samples?|sampled|sampling|recorded|recording|logged|logging|output|update|odr|"
     r"rate|frequency|freq|fs|at|of|the|is|was|k?hz|sps)(?![a-z])[\s:=_,;()\[\]]*)+(\d+\.?\d*(?:e[-+]?\d\d?)?|\.\d+)\s*(k?hz|sps)?[\s.,;]*"
 )
+_INERTIAL_MESSAGES = ("IMU", "IMU2", "IMU3")
 _LONGEST_COMMENT = 200
 _MOST_SENSORS = 16  # in one table; a column with more values counts something else
 _LONGEST_NAME = 60  # of a sensor
@@ -131,7 +133,8 @@ def read_content(content: bytes, name: str, options: LogOptions, limits: Limits)
 
 
 def _from_text(content: bytes, name: str, options: LogOptions, limits: Limits) -> LogContent:
-    table = open_table(content, name)
+    dump = lines_of(content, name, _INERTIAL_MESSAGES)
+    table = open_table(dump.table if dump else content, name)
     names, meanings = _named(table, options.columns)
     known = {place: meaning for place, meaning in enumerate(meanings) if meaning is not None}
     times = [place for place, meaning in known.items() if meaning.role == "time"]
@@ -140,12 +143,14 @@ def _from_text(content: bytes, name: str, options: LogOptions, limits: Limits) -
     tallies = dict(zip(telling, table.tally(telling, _MOST_SENSORS), strict=True)) if telling else {}
     place, sensor, choice = _sensor({place: (names[place], tally) for place, tally in tallies.items()}, options)
     only = None if place is None else (place, sensor)
-    read = table.columns([*known], limits.rows, limits.unpacked_bytes, times, only)
+    readers = dict.fromkeys(times, seconds_of)
+    read = table.columns([*known], limits.rows, limits.unpacked_bytes, readers, only)
     columns = [
         LogColumn(names[place], known[place], values) for place, values in zip(known, read.values.T, strict=True)
     ]
     used = {*known, place}
     others = [label for at, label in enumerate(names) if at not in used and label.strip(" -")]
+    choice = "; ".join(filter(None, (dump.choice if dump else "", choice)))
     lines, rate_hz = read.lines, _rate_of(table.comments)
     return LogContent(columns, others, {}, rate_hz, lambda row: f"line {lines[row]}", read.cut, choice=choice)
 
@@ -194,9 +199,7 @@ def _named(table: NumberTable, given: Sequence[str] | None) -> tuple[Sequence[st
     """Name and meaning of each column: as given, or from the header nearest to the rows that has a sensor."""
     name, width = table.file_name, table.width
     if given is not None:
-        given = [*given, IGNORED] if table.ends_open and len(given) == width - 1 else given
-        if len(given) != width:
-            raise InputError(name, f"{len(given)} column names are given, but the file has {width} columns.")
+        (given,) = table.named(given).headers
         meanings = meanings_of(given)
         for label, meaning in zip(given, meanings, strict=True):
             if meaning is None and label != IGNORED and not names_sensors(label):

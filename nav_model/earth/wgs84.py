@@ -52,3 +52,21 @@ def normal_gravity(sin_latitude: Any, height: Any) -> Any:
 
 curvature_radii_kernel = part(curvature_radii)
 normal_gravity_kernel = part(normal_gravity)
+
+
+def geodetic(place: Any) -> Any:
+    """Latitude, longitude [rad] and height [m] of places (n, 3) in metres from the Earth's centre (ECEF).
+
+    Fixed point of the latitude with the radius of curvature: 1e-12 rad within 100 km of the ground after six steps.
+    """
+    x, y, z = np.asarray(place, dtype=np.float64).T
+    from_axis = np.hypot(x, y)
+    latitude = np.arctan2(z, from_axis * (1.0 - ECCENTRICITY_SQUARED))
+    for _ in range(6):
+        sine = np.sin(latitude)
+        radius = curvature_radii(sine)[1]
+        latitude = np.arctan2(z + ECCENTRICITY_SQUARED * radius * sine, from_axis)
+    sine = np.sin(latitude)
+    radius = curvature_radii(sine)[1]
+    height = from_axis * np.cos(latitude) + z * sine - radius * (1.0 - ECCENTRICITY_SQUARED * sine**2)
+    return np.column_stack([latitude, np.arctan2(y, x), height])

@@ -73,7 +73,8 @@ def _add_explore(commands: Any) -> None:
 
 def _sensor_files(parser: argparse.ArgumentParser) -> None:
     for name, what in (("imus", "IMUs"), ("receivers", "receivers")):
-        help_text = f"catalogue file of your own {what}; may be repeated"
+        also = ", a table of them as CSV, or kalibr's imu.yaml" if name == "imus" else ""
+        help_text = f"catalogue file of your own {what}{also}; may be repeated"
         parser.add_argument(f"--{name}", action="append", default=[], metavar="FILE", help=help_text)
 
 

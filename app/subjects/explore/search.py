@@ -90,9 +90,9 @@ class SearchPanel(Question):
         self._notes = html_pane("", margin=(0, 14))
         self._table = SortableTable(self._take, margin=(0, 14), stylesheets=[WHOLE])
         self._file = upload(
-            "Add your own sensors (TOML)", ".toml", MAX_BYTES, self._opened,
+            "Add your own sensors", ".toml,.csv,.txt,.yaml,.yml", MAX_BYTES, self._opened,
             lambda reason: self._say(f"Not opened: {reason}.", wrong=True), icon=None, variant="text", margin=(6, 8),
-            uploaded_label="Add your own sensors (TOML)",
+            uploaded_label="Add your own sensors",
         )  # fmt: skip
         self._settings = StudySettings(session, "search", self, ("own", "biases"), lambda: None)
 

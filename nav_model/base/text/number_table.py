@@ -9,10 +9,11 @@ import io
 import math
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError, quoted
 from nav_model.base.text.file_kind import text_encoding
+from nav_model.base.text.unit_text import plain_signs, product_of
 
 _PIECE = 1_000_000  # characters
 _MOST_COLUMNS = 1000
@@ -33,7 +35,18 @@ _TIME_OF_DAY = re.compile(r"(?:.*[ T])?(\d{1,2})[:.](\d\d)[:.](\d\d(?:[.,]\d*)?)
 _DURATION = re.compile(r"\s*([-+]?\d+(?:[.,]\d*)?(?:[eE][-+]?\d+)?)\s*s(?:ec)?\s*")
 _SPANS_TWO = re.compile(r"gps|gpst|utc|time|date", re.IGNORECASE)
 _COMMA_NUMBER = re.compile(r"\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*")
+_IN_THREE = re.compile(r"""(.+?)\s*[\[({]\s*(?:d\W*'\W*"?|dms|d\W+m\W+s|°\W*'.*)\W*[\])}]?""", re.IGNORECASE)
+"""A name of an angle in degrees, minutes and seconds, which are three fields."""
+_ANGLE = re.compile(
+    r"""\s*([NSEW])?\s*([+-])?(\d{1,3}(?:\.\d+)?)\s*[°d:\s]?\s*(?:(\d{1,2}(?:\.\d+)?)\s*[':m]?\s*
+    (?:(\d{1,2}(?:\.\d+)?)\s*["s]?)?)?\s*([NSEW])?\s*""",
+    re.VERBOSE | re.IGNORECASE,
+)
 _WHOLE = re.compile(r"\s*[-+]?\d+\s*")
+
+
+Reader = Callable[[str], float]
+"""A field that is no plain number -> its value, NaN where it is none."""
 
 
 class Columns(NamedTuple):
@@ -63,13 +76,33 @@ class NumberTable:
     content: bytes = field(repr=False)
 
     def names(self) -> Iterator[tuple[str, ...]]:
-        """Candidates for the columns' names, the likeliest first: with units from the line between names and rows,
-        or as they are; at last the nearest header once more."""
-        for header, below in zip(self.headers, [("",) * self.width, *self.headers], strict=False):
-            pairs = zip(header, below, strict=True)
-            yield tuple(f"{name} [{unit.strip('[]()')}]" if unit else name for name, unit in pairs)
+        """Candidates for the columns' names, the likeliest first: with units from a line of units above them, from
+        the line between names and rows, or as they are; at last the nearest header once more."""
+        none = ("",) * self.width
+        for header, below, above in zip(self.headers, [none, *self.headers], [*self.headers[1:], none], strict=False):
+            for units in ([above] if _are_units(above) and not _are_units(header) else []) + [
+                none if _numeric(below) else below
+            ]:
+                pairs = zip(header, units, strict=True)
+                yield tuple(f"{name} [{unit.strip('[]()')}]" if unit else name for name, unit in pairs)
             yield header
         yield from self.headers[:1]
+
+    @property
+    def first_row(self) -> str:
+        """Text of the first row."""
+        return next((line for piece in self._pieces() for line in piece.splitlines() if line.strip()), "").strip()
+
+    def named(self, names: Sequence[str]) -> "NumberTable":
+        """The table with names that somebody gave for its columns.
+
+        Raises InputError under the file's name where they are too many or too few.
+        """
+        names = [*names, "-"] if self.ends_open and len(names) == self.width - 1 else names
+        if len(names) != self.width:
+            reason = f"{len(names)} column names are given, but the file has {self.width} columns."
+            raise InputError(self.file_name, reason)
+        return replace(self, headers=(tuple(names),))
 
     def tally(self, places: Sequence[int], most: int) -> list[dict[str, int]]:
         """Texts of columns and how many rows have each; nothing of a column with more than `most` texts.
@@ -93,7 +126,7 @@ class NumberTable:
         places: Sequence[int],
         most_rows: int,
         most_bytes: int,
-        times: Collection[int] = (),
+        readers: Mapping[int, Reader] = MappingProxyType({}),
         only: tuple[int, str] | None = None,
     ) -> Columns:
         """Read columns as numbers, (rows,) each.
@@ -104,8 +137,8 @@ class NumberTable:
             Columns, counted from zero.
         most_rows, most_bytes : int
             Bounds of what is read: rows, and bytes of numbers.
-        times : collection of int, optional
-            Places of columns whose fields may be a date or a time of day, which are read as seconds.
+        readers : mapping, optional
+            Places of columns whose fields may be no plain number, such as a date -> what reads one.
         only : (int, str), optional
             A column and the text that it has in the rows that are read; others are passed over.
 
@@ -138,7 +171,7 @@ class NumberTable:
                     lines = [""] * count
                     for at in offsets:
                         lines[at] = passed[at]
-                block, offsets, cut = self._by_field(lines, line, places, times, last=not following)
+                block, offsets, cut = self._by_field(lines, line, places, readers, last=not following)
             end = row + len(block)
             if end > allowed:
                 many = f"The file has more than {most_rows} rows. Cut it."
@@ -195,7 +228,7 @@ class NumberTable:
         return block if some else block[:, places]
 
     def _by_field(
-        self, piece: list[str], first: int, places: Sequence[int], times: Collection[int], *, last: bool
+        self, piece: list[str], first: int, places: Sequence[int], readers: Mapping[int, Reader], *, last: bool
     ) -> tuple[Array, NDArray[np.int32], bool]:
         """The rows one field at a time, the lines they are in, and whether the last line ends too early."""
         bare = ((at, line) for at, line in enumerate(piece) if line.strip() and line[0] not in "#%")
@@ -207,13 +240,15 @@ class NumberTable:
             if len(fields) != self.width:
                 reason = f"line {first + at}: {len(fields)} columns, {self.width} in the lines before"
                 raise InputError(self.file_name, reason)
-            block[row] = [self._number(fields[place], first + at, place, times, marks) for place in places]
+            block[row] = [
+                self._number(fields[place], first + at, readers.get(place), place, marks) for place in places
+            ]
             if len(marks) == 2:
                 reason = f"line {marks[',']}: a decimal comma, but line {marks['.']} has a decimal point."
                 raise InputError(self.file_name, reason)
         return block, np.array([*rows], dtype=np.int32), cut
 
-    def _number(self, text: str, line: int, place: int, times: Collection[int], marks: dict[str, int]) -> float:
+    def _number(self, text: str, line: int, reader: Reader | None, place: int, marks: dict[str, int]) -> float:
         """A field as a number, NaN where it is empty, with the first line of its decimal mark into `marks`."""
         if text.strip().lower() in _EMPTY:
             return math.nan
@@ -221,7 +256,7 @@ class NumberTable:
         try:
             number = float(text.replace(",", ".") if comma else text.replace("_", "x"))  # 1_0 is no number
         except ValueError:
-            number = seconds_of(text) if place in times else math.nan
+            number = reader(text) if reader else math.nan
             wrong = "a number" if math.isnan(number) else ""
         else:
             wrong = "finite" if math.isinf(number) else ""
@@ -317,12 +352,42 @@ def _headers(lines: Sequence[str], delimiter: str | None, width: int) -> tuple[t
         glued = re.sub(r"(?<![\s)\]])\s+(?=[\[(])", "", bare)  # a blank between name and unit parts nothing
         for mark in (delimiter, ",", ";", "\t", None) if width > 1 else ("\n",):
             names = tuple(name.strip() for name in _fields((bare if mark else glued).rstrip(mark), mark))
+            if len(names) < width:
+                names = tuple(part for name in names for part in _in_three(name))
             if delimiter is None and len(names) == width - 1 and _SPANS_TWO.fullmatch(names[0]):
                 names = ("date", *names)  # a blank between date or week, and time
             if len(names) == width and _numeric(names) < width:
                 headers.append(names)
                 break
     return tuple(headers)
+
+
+def angle_of(text: str) -> float:
+    """Degrees of 47°12'30"N, N47 12.5, 47:12:30 or 47.2°; NaN: none."""
+    match = _ANGLE.fullmatch(plain_signs(text))
+    if match is None or (match[1] and match[6]):
+        return math.nan
+    minutes, seconds = float(match[4] or 0), float(match[5] or 0)
+    if not (minutes < 60.0 and seconds < 60.0):
+        return math.nan
+    whole = float(match[3]) + minutes / 60.0 + seconds / 3600.0
+    return -whole if match[2] == "-" or (match[1] or match[6] or "").upper() in ("S", "W") else whole
+
+
+def _in_three(name: str) -> Sequence[str]:
+    """Names of the three fields of an angle in degrees, minutes and seconds; of another column its own."""
+    match = _IN_THREE.fullmatch(name)
+    return [f"{match[1]} [{unit}]" for unit in ("deg", "arcmin", "arcsec")] if match else [name]
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """True for a line that has units of columns: a quarter of what stands there, and two at least."""
+    stated = [words[0].strip("[](),") for cell in cells if (words := cell.split())]
+    units = 0
+    for text in stated:
+        with suppress(ValueError):
+            units += bool(product_of(text))
+    return units >= max(2, len(stated) / 4)
 
 
 def seconds_of(text: str) -> float:

@@ -10,6 +10,7 @@ from typing import Any, Literal
 from nav_model.base.errors import InputError, not_a_choice, quoted, under
 from nav_model.base.text.toml_text import read_toml
 from nav_model.base.units import Parsed, parse_quantity
+from nav_model.design.catalogue.brought import entries_of
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -124,14 +125,16 @@ def catalogue(kind: Kind) -> Mapping[str, Entry]:
 
 
 def read_catalogue(text: str, kind: Kind) -> Mapping[str, Entry]:
-    """Entries of a catalogue file's text, also of a user's own sensors.
+    """Entries of a catalogue file's text, also of a user's own sensors, or of a table of IMUs or an imu.yaml.
 
     Raises
     ------
     InputError
         Naming the entry and the key that is wrong.
     """
-    tables = read_toml(text, f"{kind} catalogue", "a catalogue file", _MOST_BYTES).get(kind, [])
+    tables: Any = entries_of(text, kind)
+    if tables is None:
+        tables = read_toml(text, f"{kind} catalogue", "a catalogue file", _MOST_BYTES).get(kind, [])
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
         raise InputError(f"{kind} catalogue", f"entries must be [[{kind}]] tables")
     entries: dict[str, Entry] = {}

@@ -1,10 +1,12 @@
 """Flights from files of any kind, told by what they hold: plans are flown, recordings are as they were flown."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from nav_model.base.errors import InputError
 from nav_model.base.text.file_kind import kind_of
+from nav_model.base.text.message_dump import lines_of
 from nav_model.base.text.number_table import open_table
 from nav_model.simulation.trajectory import FILE_BOUNDS
 from nav_model.trajectory.files.ground_station import WAYPOINT_LIST, read_ground_station
@@ -17,6 +19,7 @@ from nav_model.trajectory.plan import PlannedFlight, fly
 from nav_model.trajectory.waypoints import Plan, Waypoint
 
 KINDS = "KML, KMZ, GPX, .plan, .waypoints, CSV or SBET"
+_PLACE_MESSAGES = ("POS", "GPS", "AHR2")
 _GIVE = f"Give a {KINDS} file."
 
 
@@ -37,13 +40,21 @@ class FlightFile:
             raise InputError(self.name, str(error)) from error
 
 
-def read_file(path: str | Path, height: float | None = None, ground: float | None = None) -> FlightFile:
+def read_file(
+    path: str | Path, height: float | None = None, ground: float | None = None, columns: Sequence[str] = ()
+) -> FlightFile:
     """`parse_file` of a file; OSError where it cannot be read."""
     with Path(path).open("rb") as file:
-        return parse_file(file.read(FILE_BOUNDS.most_bytes + 1), Path(path).name, height, ground)
+        return parse_file(file.read(FILE_BOUNDS.most_bytes + 1), Path(path).name, height, ground, columns)
 
 
-def parse_file(content: bytes, name: str, height: float | None = None, ground: float | None = None) -> FlightFile:
+def parse_file(
+    content: bytes,
+    name: str,
+    height: float | None = None,
+    ground: float | None = None,
+    columns: Sequence[str] = (),
+) -> FlightFile:
     """Read a flight or a plan from the bytes of a file.
 
     Parameters
@@ -57,20 +68,25 @@ def parse_file(content: bytes, name: str, height: float | None = None, ground: f
     ground : float, optional
         Of the ground, or of the take-off, of places whose heights are above it, m above the ellipsoid.
 
+    columns : sequence of str, optional
+        Names of a table's columns in place of those in the file; "-" for one that is not used.
+
     Raises
     ------
     InputError
         Under the file's name: what is wrong and where, or what the file is when it is no flight.
     """
     heights = Heights(name, height, ground)
-    read = _read(content, heights)
+    read = _read(content, heights, columns)
     if isinstance(read, list):
         read = fly_recorded(read, heights)
     note = "; ".join(heights.notes)
     return FlightFile(name, read, None, note) if isinstance(read, tuple) else FlightFile(name, (), read, note)
 
 
-def _read(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list[RecordedSegment] | PlannedFlight:
+def _read(
+    content: bytes, heights: Heights, columns: Sequence[str]
+) -> tuple[Waypoint, ...] | list[RecordedSegment] | PlannedFlight:
     if len(content) > FILE_BOUNDS.most_bytes:
         raise heights.refuse(f"larger than {FILE_BOUNDS.most_bytes // 1_000_000} MB. Cut it.")
     if not content.strip():
@@ -91,8 +107,11 @@ def _read(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list[Recor
         return read_ground_station(content, heights)
     if kind is not None:
         raise heights.refuse(f"is {'no text and no SBET' if kind == 'not text' else kind}. {_GIVE}")
+    if dump := lines_of(content, heights.file_name, _PLACE_MESSAGES):
+        heights.note(dump.choice)
+        content = dump.table
     try:
         table = open_table(in_two_columns(content, heights), heights.file_name)
     except InputError as error:
         raise heights.refuse(f"{error.reason} {_GIVE}") from error
-    return read_columns(table, heights)
+    return read_columns(table.named(columns) if columns else table, heights)

@@ -118,3 +118,42 @@ def test_an_archive_with_several_sensors_is_asked_for_one():
     log = read_log(stream.getvalue(), LogOptions(rate_hz=100.0, gyro_unit="rad/s", sensor="1"))
     assert log.samples == SAMPLES // 2
     assert log.gyro.min() >= 1.0
+
+
+DUMP = """FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns
+FMT, 176, 53, IMU, QBffffff, TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ
+PARM, 91200000, INS_GYRO_RATE, 0, 0
+"""
+
+
+def dump(sensors: int) -> bytes:
+    """Messages of IMUs at 100 Hz among those of attitude."""
+    rows = [
+        f"IMU, {91_000_000 + 10_000 * k}, {n}, {n}, {n}, {n}, 0.1, 0.2, -9.8\nATT, {91_000_000 + 10_000 * k}, 1, 2"
+        for k in range(SAMPLES)
+        for n in range(sensors)
+    ]
+    return (DUMP + "\n".join(rows) + "\n").encode()
+
+
+def test_messages_of_an_imu_are_read_from_a_text_dump() -> None:
+    log = read_log(dump(1))
+    assert (log.samples, log.rate_hz) == (SAMPLES, pytest.approx(100.0))
+    assert log.accelerometer is not None
+    assert log.accelerometer.mean(axis=0) == pytest.approx([0.1, 0.2, -9.8])
+    assert f"{SAMPLES} IMU messages of {2 * SAMPLES + 3} lines" in log.reading
+    with pytest.raises(InputError, match="The column 'I' tells 2 sensors apart"):
+        read_log(dump(2))
+    assert read_log(dump(2), LogOptions(sensor="1")).gyro.mean() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (DUMP.encode() + b"ATT, 1, 2\n" * 20, "without IMU or IMU2 or IMU3 messages; it has ATT"),
+        (b"2026-05-04 10:00:00.00: IMU {TimeUS : 1, GyrX : 0.1}\n" * 9, "text dump of a flight log.*mavlogdump.py"),
+    ],
+)
+def test_a_dump_without_an_imu_says_how_to_get_one(content: bytes, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        read_log(content)

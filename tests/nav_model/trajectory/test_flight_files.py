@@ -7,6 +7,7 @@ import tracemalloc
 import zipfile
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -21,6 +22,7 @@ from nav_model.trajectory.waypoints import Plan
 
 BROUGHT = Path("/work/shared/data/brought")
 METRE = 180 / math.pi / 6_371_000
+NAMED = ["week", "seconds", "latitude", "longitude", "height", "vn", "ve", "vd", "roll", "pitch", "heading"]
 LIKE = Plan((), 100.0)
 
 
@@ -540,11 +542,15 @@ def test_a_file_without_bounds_is_refused_while_it_is_read(content: bytes, messa
         ("28_recorded_1hz.gpx", {}, 0, 1500.0, "attitude from coordinated turns"),
         ("29_mission.plan", {}, 6, 550.0, "heights above home"),
         ("30_path.kmz", {}, 6, 3000.0, "doc.kml"),
+        ("50b_rtk_dms.pos", {}, 0, 1200.0, "301 recorded rows"),
+        ("53_gis_waypoints.csv", {}, 6, 630.0, "6 waypoints of ycoord, xcoord, Alt. ASL [m]"),
+        ("57_gins_result.nav", {"columns": NAMED}, 0, 1200.0, "301 recorded rows"),
+        ("76_single_among_fixed.pos", {}, 0, 1200.0, "rows with Q 1 alone; those with 5 left out"),
         ("31_drone_record.csv", {}, 0, 550.0, "OSD.altitude [ft]"),
     ],
 )
 def test_files_that_people_brought_are_flown(
-    name: str, given: dict[str, float], count: int, height: float, message: str
+    name: str, given: dict[str, Any], count: int, height: float, message: str
 ) -> None:
     if not BROUGHT.is_dir():
         pytest.skip("the shared files are not here")

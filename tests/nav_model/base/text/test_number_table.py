@@ -9,12 +9,12 @@ import pytest
 
 from nav_model.base.errors import InputError
 from nav_model.base.text.file_kind import kind_of
-from nav_model.base.text.number_table import Columns, open_table
+from nav_model.base.text.number_table import Columns, open_table, seconds_of
 
 
 def read(text: str | bytes, places=(0, 1), times=(), rows: int = 10_000, most_bytes: int = 10**7) -> Columns:
     content = text if isinstance(text, bytes) else text.encode()
-    return open_table(content, "table.csv").columns(places, rows, most_bytes, times)
+    return open_table(content, "table.csv").columns(places, rows, most_bytes, dict.fromkeys(times, seconds_of))
 
 
 @pytest.mark.parametrize(
