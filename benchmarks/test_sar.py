@@ -19,7 +19,7 @@ from nav_model.design import Design
 from nav_model.sar.axis_model import AxisModel, inertial_drift
 from nav_model.sar.decomposition import decompose, run_responses
 from nav_model.sar.design_case import design_case
-from nav_model.sar.design_study import design_study, run_chunk
+from nav_model.sar.design_study import image_study, run_chunk
 from nav_model.sar.fast_engine import simulate_axis
 from nav_model.sar.image import back_project, simulate_phase_history
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
@@ -166,8 +166,8 @@ def test_image_256_by_256(benchmark):
 
 def test_whole_study_500_runs_with_impulse_responses(benchmark):
     design = Design({"radar.aperture_time": 20.0, "coast.before_aperture": 100.0, "radar.window": "taylor"})
-    benchmark.pedantic(design_study, args=(design, 500), rounds=1)
-    benchmark.extra_info["cpu_s"] = cpu(lambda: design_study(design, 500), 1)
+    benchmark.pedantic(image_study, args=(design, 500), rounds=1)
+    benchmark.extra_info["cpu_s"] = cpu(lambda: image_study(design, 500), 1)
 
 
 def test_flights_of_the_simulator(benchmark):

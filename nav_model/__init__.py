@@ -1,6 +1,7 @@
 """Navigation error budgets: the physics, without a user interface.
 
-The names below are all that a script needs. Each loads its module when it is first used.
+The names below are all that a script needs, a function for each question that the command `navbudget` answers: the
+guide is docs/library.md. Each loads its module when it is first used.
 
 Examples
 --------
@@ -24,13 +25,34 @@ True
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-__all__ = ["Budget", "Design", "InputError", "analyse", "format_design", "parse_design", "read_design"]
+__all__ = [
+    "Budget", "Design", "InputError", "allocate", "analyse", "analyse_log", "catalogue",
+    "closing_sets", "flight_covariance", "flown", "format_design", "image_study", "invert", "manoeuvres",
+    "parse_design", "rank", "read_design", "read_log", "read_uncertain", "search", "simulation_study", "solve",
+    "trade_map", "uncertain_verdict", "vendor_table",
+]  # fmt: skip
 
 if TYPE_CHECKING:
+    from nav_model.allan.log_file import read_log
+    from nav_model.allan.static_log import analyse_log
     from nav_model.base.errors import InputError
     from nav_model.budget import Budget, analyse
+    from nav_model.budget.allocation import allocate
     from nav_model.design import Design
+    from nav_model.design.catalogue import catalogue
     from nav_model.design.file import format_design, parse_design, read_design
+    from nav_model.explore.closing import closing_sets
+    from nav_model.explore.manoeuvre import manoeuvres
+    from nav_model.explore.rank import rank
+    from nav_model.explore.search import search
+    from nav_model.explore.solve import solve
+    from nav_model.explore.trade_map import trade_map
+    from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
+    from nav_model.explore.vendor_table import invert, vendor_table
+    from nav_model.sar.design_study import image_study
+    from nav_model.simulation.design_study import simulation_study
+    from nav_model.trajectory.design_study import flight_covariance
+    from nav_model.trajectory.verdict import flown
 else:
     _HOMES = {
         "Budget": "nav_model.budget",
@@ -40,6 +62,24 @@ else:
         "parse_design": "nav_model.design.file",
         "read_design": "nav_model.design.file",
         "InputError": "nav_model.base.errors",
+        "allocate": "nav_model.budget.allocation",
+        "analyse_log": "nav_model.allan.static_log",
+        "catalogue": "nav_model.design.catalogue",
+        "closing_sets": "nav_model.explore.closing",
+        "flight_covariance": "nav_model.trajectory.design_study",
+        "flown": "nav_model.trajectory.verdict",
+        "image_study": "nav_model.sar.design_study",
+        "invert": "nav_model.explore.vendor_table",
+        "manoeuvres": "nav_model.explore.manoeuvre",
+        "rank": "nav_model.explore.rank",
+        "read_log": "nav_model.allan.log_file",
+        "read_uncertain": "nav_model.explore.uncertainty",
+        "search": "nav_model.explore.search",
+        "simulation_study": "nav_model.simulation.design_study",
+        "solve": "nav_model.explore.solve",
+        "trade_map": "nav_model.explore.trade_map",
+        "uncertain_verdict": "nav_model.explore.uncertainty",
+        "vendor_table": "nav_model.explore.vendor_table",
     }
 
     def __getattr__(name: str) -> object:

@@ -48,6 +48,17 @@ def analyse_log(
     where there is one. Raises InputError under the log's name when it is empty, ValueError when it is shorter than
     the fit needs. Method: likelihood.py for the coefficients, axis_fit.py for real-log departures, deviation.py for
     curves.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from nav_model import analyse_log, read_log
+    >>> rows = np.random.default_rng(1).normal(0.0, 1e-4, (20_000, 6))  # gyros [rad/s], accelerometers [m/s²]
+    >>> table = "\\n".join(",".join(f"{x:.9f}" for x in row) for row in rows)
+    >>> heads = "gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s],acc_x [m/s^2],acc_y [m/s^2],acc_z [m/s^2]"
+    >>> log = analyse_log(read_log(f"# rate 100 Hz\\n{heads}\\n{table}\\n".encode(), file_name="bench.csv"))
+    >>> len(log.axes)
+    6
     """
     axes = log.axes()
     results = []

@@ -100,6 +100,14 @@ def allocate(budget: Budget, requirement: str | None = None, plan: Allotment | N
     ------
     InputError
         As `check_of`, for a measure of the impulse response, and for a lock of an unknown source.
+
+    Examples
+    --------
+    >>> from nav_model import allocate, analyse, read_design
+    >>> design = read_design("examples/mems_x_band.toml")
+    >>> split = allocate(analyse(design), "detrended_phase")
+    >>> split.entries[0].source, round(split.entries[0].allocated, 4)  # rad
+    ('accelerometer noise', 0.0746)
     """
     check, plan = check_of(budget, requirement), plan or budget.design.allocation or Allotment()
     if check.on in RESPONSE:

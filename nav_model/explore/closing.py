@@ -160,7 +160,7 @@ def closing_sets(
 
     Examples
     --------
-    >>> from nav_model.design.file import parse_design
+    >>> from nav_model import closing_sets, parse_design
     >>> design = parse_design('''
     ... imu.preset = "STIM300"
     ... requirements.tilt = "0.012°"

@@ -171,6 +171,16 @@ def manoeuvres(
     ------
     InputError
         For a flight that cannot be flown, has no such line or no limit.
+
+    Examples
+    --------
+    >>> from nav_model import manoeuvres, parse_design
+    >>> design = parse_design('''
+    ... requirements.heading = "2°"
+    ... trajectory = { flight = "lines", lines = 1, length = "3 km" }
+    ... ''')
+    >>> manoeuvres(design).closes  # as planned
+    True
     """
     progress(0.0, "The flight as planned")
     plan = _Plan(design, flight) if flight else _planned(design)

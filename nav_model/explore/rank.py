@@ -67,6 +67,13 @@ def rank(design: Design, figure: str) -> tuple[InputSensitivity, ...]:
     ------
     InputError
         If `figure` is not one of `RANKED`, or the design is one that `analyse` refuses.
+
+    Examples
+    --------
+    >>> from nav_model import rank, read_design
+    >>> design = read_design("examples/mems_x_band.toml")
+    >>> [(item.key, round(item.slope, 2)) for item in rank(design, "detrended_phase")[:2]]
+    [('radar.azimuth_resolution', -2.02), ('flight.speed', -1.82)]
     """
     imaged_inputs(design)
     if figure not in RANKED:

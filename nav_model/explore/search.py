@@ -81,6 +81,14 @@ def search(
     InputError
         If the design gives no requirement or is one that `analyse` refuses, no unit can be judged, there are more
         than `MOST_PAIRS`, or prices are in several currencies.
+
+    Examples
+    --------
+    >>> from nav_model import catalogue, read_design, search
+    >>> design = read_design("examples/mems_x_band.toml")
+    >>> rows = search(design, catalogue("imu"), {})
+    >>> [row.imu for row in rows if row.closes]
+    ['LN-100', 'Sagem Primus 200']
     """
     imaged_inputs(design)
     check_pairs(len(imus), len(receivers))

@@ -113,6 +113,14 @@ def solve(design: Design, *, verify: bool = True) -> tuple[Solution, ...]:
         If the design gives no requirement, or is one that `analyse` refuses.
     ArithmeticError
         If an answer put back does not meet its limit, and no value just below does: a defect.
+
+    Examples
+    --------
+    >>> from nav_model import read_design, solve
+    >>> design = read_design("examples/mems_x_band.toml")
+    >>> gyro = solve(design)[0]
+    >>> gyro.key, gyro.together.outcome, f"{gyro.together.value:.2e}"  # rad/√s
+    ('imu.angle_random_walk', 'limited', '7.01e-06')
     """
     imaged_inputs(design)
     names = list(limits(design))

@@ -101,6 +101,14 @@ def trade_map(design: Design, x_key: str, y_key: str, result: str = ALL, size: i
     InputError
         For inputs or a result that cannot be mapped, `ALL` without any requirement, or a design that `analyse`
         refuses.
+
+    Examples
+    --------
+    >>> from nav_model import read_design, trade_map
+    >>> design = read_design("examples/mems_x_band.toml")
+    >>> trade = trade_map(design, "imu.angle_random_walk", "gnss.position_noise", size=8)
+    >>> trade.z.shape  # value over limit, at most 1 where a design closes
+    (8, 8)
     """
     imaged_inputs(design)
     if x_key == y_key:

@@ -137,6 +137,15 @@ def uncertain_verdict(
     InputError
         If no input or no requirement is given, a distribution leaves its input's bounds, the design is one that
         `analyse` refuses, or so is every design of the distributions.
+
+    Examples
+    --------
+    >>> from nav_model import read_design, read_uncertain, uncertain_verdict
+    >>> design = read_design("examples/mems_x_band.toml")
+    >>> key = "imu.angle_random_walk"
+    >>> chance = uncertain_verdict(design, {key: read_uncertain(key, "0.01 °/√h .. 0.03 °/√h")})
+    >>> 0 < chance.closes.low < chance.closes.high < 1
+    True
     """
     imaged_inputs(design)
     if not inputs:

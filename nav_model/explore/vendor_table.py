@@ -78,6 +78,14 @@ def vendor_table(design: Design) -> tuple[VendorRow, ...]:
     ------
     InputError
         If the design is one that `analyse` refuses.
+
+    Examples
+    --------
+    >>> from nav_model import read_design, vendor_table
+    >>> design = read_design("examples/mems_x_band.toml")
+    >>> row = vendor_table(design)[0]
+    >>> row.processing, row.outage, round(row.values["horizontal"], 3)  # s, m
+    ('real time', 0.0, 0.404)
     """
     x = imaged_inputs(design)
     with refused(design):
@@ -281,6 +289,14 @@ def invert(design: Design, rows: Iterable[str]) -> Inversion:
     ------
     InputError
         If a row cannot be read, an entry is there twice, or the design is one that `analyse` refuses.
+
+    Examples
+    --------
+    >>> from nav_model import invert, read_design
+    >>> design = read_design("examples/mems_x_band.toml")
+    >>> answer = invert(design, ["60 s: horizontal 3.0 m, heading 0.02°"])
+    >>> answer.agree, answer.implied[0].key, answer.implied[0].value  # two numbers leave it open
+    (True, 'imu.angle_random_walk', None)
     """
     imaged_inputs(design)
     texts = tuple(rows)

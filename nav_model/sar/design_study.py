@@ -279,7 +279,7 @@ def gather(
     )
 
 
-def design_study(
+def image_study(
     design: Design,
     runs: int = 200,
     seed: int = 0,
@@ -311,6 +311,13 @@ def design_study(
         See `chunks`.
     ArithmeticError
         Where a flight's filter does not hold.
+
+    Examples
+    --------
+    >>> from nav_model import image_study, read_design
+    >>> design = read_design("examples/mems_x_band.toml")
+    >>> image_study(design, runs=20).rms.shape  # m along the line of sight, of ten strategies
+    (10,)
     """
     sizes = chunks(runs, engine)
     budget = analyse(design)

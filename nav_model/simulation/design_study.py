@@ -253,6 +253,36 @@ def study_of(design: Design, result: SimulationResult) -> SimulationStudy:
     )
 
 
+def simulation_study(design: Design, *, workers: int = 1, **options: Any) -> SimulationStudy:
+    """Simulated runs of a design with its filter, beside the formulas.
+
+    Parameters
+    ----------
+    design : Design
+    workers : int, optional
+        Processes; 1 flies in this thread.
+    **options
+        Of `specification`: trajectory, runs, seed, duration [s], outages [s], every [s].
+
+    Raises
+    ------
+    InputError
+        Naming the key of the design, or the option, that cannot be flown.
+
+    Examples
+    --------
+    >>> from nav_model import parse_design, simulation_study
+    >>> design = parse_design("imu.rate = '10 Hz'")
+    >>> study = simulation_study(design, trajectory="straight", runs=20, duration=60.0, outages=[(30.0, 50.0)])
+    >>> study.result.rms.shape  # of the runs: before and after fixes, at each of result.time_s, nine states
+    (2, 61, 9)
+    """
+    from nav_model.simulation.monte_carlo import simulate
+
+    spec = specification(design, **options)
+    return study_of(design, simulate(spec, workers=workers, closed_form=closed_form(design, spec)))
+
+
 def moments(study: SimulationStudy) -> tuple[tuple[str, int], ...]:
     """Times at which a study is summarised: name of each and its index in the result's `time_s`.
 

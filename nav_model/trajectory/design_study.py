@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from nav_model.design.trajectory import LIMITED, LINES, WAYPOINTS, Rows, row_of
 from nav_model.simulation.design_study import named_flight, specification
 from nav_model.simulation.specification import SimulationSpec
 from nav_model.trajectory.plan import PlannedFlight, fly
+from nav_model.trajectory.result import TrajectoryResult
 from nav_model.trajectory.specification import CovarianceSpec, FlightLine, Most
 from nav_model.trajectory.waypoints import Plan, Waypoint, lengthened, strip
 
@@ -79,6 +81,38 @@ def planned(design: Design, number: int = 0, longer: float = 0.0) -> PlannedFlig
     with under(f"trajectory.{trajectory.flight}"):
         plan = plan_of(design)
         return fly(lengthened(plan, number, longer) if longer else plan)
+
+
+def flight_covariance(design: Design, file: str | Path | None = None) -> TrajectoryResult:
+    """The covariance along the flight of a design's plan, or of a file, in real time and post-processed, by source.
+
+    Parameters
+    ----------
+    design : Design
+        Without a plan it flies straight for `trajectory.duration`.
+    file : path, optional
+        Flown in place of the plan: any that `navbudget trajectory` reads.
+
+    Raises
+    ------
+    InputError
+        For a flight that cannot be flown, or a file that cannot be read.
+    ArithmeticError
+        Where the covariance is not finite.
+
+    Examples
+    --------
+    >>> from nav_model import flight_covariance, parse_design
+    >>> flight = flight_covariance(parse_design("trajectory.duration = '60 s'"))
+    >>> flight.real_time.attitude.shape  # roll, pitch, yaw [rad] at each of flight.time_s
+    (61, 3)
+    """
+    from nav_model.trajectory.covariance import covariance
+    from nav_model.trajectory.files.reader import read_file
+
+    ground = design.trajectory.ground or None
+    flight = read_file(file, None, ground).flown(plan_like(design)) if file else planned(design)
+    return covariance(along_flight(design, flight))
 
 
 def along_flight(design: Design, flight: PlannedFlight) -> CovarianceSpec:

@@ -31,6 +31,15 @@ def flown(budget: Budget, most_steps: int = MOST_STEPS) -> Budget:
     ------
     InputError
         Naming the key of the design that cannot be flown in `most_steps` steps, or whose covariance is not finite.
+
+    Examples
+    --------
+    >>> from nav_model import analyse, flown, read_design
+    >>> design = read_design("examples/mems_x_band.toml")
+    >>> design = design.replace({"requirements.heading": 0.001, "trajectory.duration": 60.0})
+    >>> check = flown(analyse(design)).verdict.checks[-1]
+    >>> check.name, check.state, check.judged
+    ('heading', 'not met', 'flight')
     """
     design = budget.design
     if not flies(design):

@@ -1,6 +1,7 @@
 """`from nav_model import ...`: what it offers, what it loads, and that its examples are true."""
 
 import doctest
+import inspect
 import subprocess
 import sys
 from pathlib import Path
@@ -39,4 +40,27 @@ MODULES = [nav_model, nav_model.budget, nav_model.base.errors, nav_model.base.fr
 def test_the_examples_in_docstrings_are_true(module):
     result = doctest.testmod(module)
     assert result.attempted > 0
+    assert result.failed == 0
+
+
+QUESTIONS = sorted(
+    name
+    for name in nav_model.__all__
+    if not isinstance(getattr(nav_model, name), type) and not name.startswith(("format_", "parse_", "read_"))
+)
+
+
+@pytest.mark.parametrize("name", QUESTIONS)
+def test_every_function_of_the_door_has_an_example_that_is_true(name, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    function = getattr(nav_model, name)
+    (example,) = doctest.DocTestFinder(recurse=False).find(inspect.unwrap(function), name)
+    assert example.examples
+    assert doctest.DocTestRunner().run(example).failed == 0
+
+
+def test_the_guide_to_the_library_prints_what_it_says(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    result = doctest.testfile(str(ROOT / "docs" / "library.md"), module_relative=False)
+    assert result.attempted > 10
     assert result.failed == 0

@@ -42,7 +42,7 @@ def _study(design: Design, options: argparse.Namespace) -> dict[str, Any]:
     """The study asked for as plain data; with the simulator the error model's study beside it."""
     from app.console.progress import COMPILES
     from nav_model.sar.agreement import LEAST_BESIDE
-    from nav_model.sar.design_study import design_study
+    from nav_model.sar.design_study import image_study
     from nav_model.sar.study_json import to_json
     from nav_model.simulation.monte_carlo import local_pool
 
@@ -54,7 +54,7 @@ def _study(design: Design, options: argparse.Namespace) -> dict[str, Any]:
     workers = options.workers or max(1, (os.cpu_count() or 2) - 1)
     with nullcontext() if workers == 1 else local_pool(workers) as pool:
         flown = studied(design, options.runs, options.seed, engine="simulator", pool=pool)
-    return to_json(flown, design_study(design, max(options.runs, LEAST_BESIDE), options.seed))
+    return to_json(flown, image_study(design, max(options.runs, LEAST_BESIDE), options.seed))
 
 
 def studied(design: Design, runs: int, seed: int, what: str = "", **how: Any) -> SarStudy:
@@ -66,13 +66,13 @@ def studied(design: Design, runs: int, seed: int, what: str = "", **how: Any) ->
         Naming the option or the key of the design that cannot be run.
     """
     from app.console.progress import count_runs
-    from nav_model.sar.design_study import design_study
+    from nav_model.sar.design_study import image_study
 
     if seed < 0:
         raise InputError("--seed", f"{seed} is not allowed. Enter zero or a positive whole number.")
     try:
         with count_runs(what) as progress:
-            return design_study(design, runs, seed, progress, **how)
+            return image_study(design, runs, seed, progress, **how)
     except InputError as error:
         raise (error.under("--runs") if error.key == "runs" else error) from error
     except ArithmeticError as error:

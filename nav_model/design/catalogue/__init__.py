@@ -119,7 +119,14 @@ _ERRORS = {"in-run": "bias_instability", "repeatability": "turn_on_bias"}
 
 @cache
 def catalogue(kind: Kind) -> Mapping[str, Entry]:
-    """Name -> entry of the catalogue shipped with the product, in the order of its file."""
+    """Name -> entry of the catalogue shipped with the product, in the order of its file.
+
+    Examples
+    --------
+    >>> from nav_model import catalogue
+    >>> catalogue("imu")["STIM300"].values["angle_random_walk"].text
+    '0.15 °/√h'
+    """
     text = files("nav_model.design.catalogue").joinpath(f"{kind}.toml").read_text(encoding="utf-8")
     return read_catalogue(text, kind)
 

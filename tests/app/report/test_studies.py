@@ -21,7 +21,7 @@ from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.equations import SYMBOLS
 from nav_model.sar.design_case import design_case
-from nav_model.sar.design_study import design_study
+from nav_model.sar.design_study import image_study
 from nav_model.sar.pictures import point_pictures
 from nav_model.sar.study_json import to_json as sar_json
 from nav_model.simulation.design_study import closed_form, specification, study_of, to_document
@@ -44,7 +44,7 @@ def design() -> Design:
 def findings(design) -> dict[str, Any]:
     spec = specification(design, runs=20, duration=140.0, outages=((100.0, 140.0),))
     simulation = study_of(design, simulate(spec, workers=1, closed_form=closed_form(design, spec)))
-    study = design_study(design, 40, 3)
+    study = image_study(design, 40, 3)
     points = point_pictures(study.budget, study.typical)
     settings = from_design(DEFAULTS, design)
     survey = run_survey(settings)

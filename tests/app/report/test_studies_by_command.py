@@ -10,7 +10,7 @@ from app import cli
 from app.examples import example
 from app.subjects.simulation import console as simulate_command
 from app.subjects.simulation import report as simulation_report
-from nav_model.sar.design_study import design_study
+from nav_model.sar.design_study import image_study
 from nav_model.sar.strategies import STRATEGIES
 
 pytestmark = [pytest.mark.usefixtures("charts_drawn_once"), pytest.mark.long]
@@ -21,7 +21,7 @@ def test_the_command_runs_the_studies_and_tells_them(tmp_path, capsys):
     arguments = ["report", MEMS, "-o", str(target), "--with", "sar", "--runs", "20"]
     assert cli.main([*arguments, "--seed", "5"]) == 0
     page = target.read_text(encoding="utf-8")
-    study = design_study(example("mems_x_band"), 20, 5)
+    study = image_study(example("mems_x_band"), 20, 5)
     for strategy in STRATEGIES:
         assert strategy.key in page
     assert "".join(study.sentence.split()) in "".join(page.split())

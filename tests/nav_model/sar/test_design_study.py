@@ -14,7 +14,7 @@ from nav_model.design.user_entries import UserEntries, read_entries
 from nav_model.sar.decomposition import decompose
 from nav_model.sar.design_case import conditions, design_case, study_cautions
 from nav_model.sar.design_map import arw_map, gnss_map
-from nav_model.sar.design_study import chunks, closed_forms, design_study, run_chunk, typical_history, typical_place
+from nav_model.sar.design_study import chunks, closed_forms, image_study, run_chunk, typical_history, typical_place
 from nav_model.sar.line_of_sight import range_error
 from nav_model.sar.strategies import STRATEGIES, STRATEGY_KEYS, Tuning
 from nav_model.sar.study import simulate_axes
@@ -110,7 +110,7 @@ def test_closed_forms_hold_along_the_line_of_sight_and_no_causal_strategy_beats_
 
 @pytest.fixture(scope="module")
 def study():
-    return design_study(design(), runs=70, seed=4)
+    return image_study(design(), runs=70, seed=4)
 
 
 def test_chunks_give_the_same_study_in_any_order(study):
@@ -160,7 +160,7 @@ def test_the_vertical_axis_has_its_own_fixes_and_no_gyro():
 
 
 def test_autofocus_rescores_ensemble_and_forms_alike():
-    taken = design_study(design(radar__autofocus_order=2, imu__vibration_factor=10.0), runs=50)
+    taken = image_study(design(radar__autofocus_order=2, imu__vibration_factor=10.0), runs=50)
     # A fitted quadratic is taken out by autofocus; what remains of it is what the turn makes of its velocity.
     assert taken.closed.detrended["2"] == pytest.approx(taken.closed.detrended["5"], rel=0.01)
     spread = taken.rms_error[1]
@@ -222,7 +222,7 @@ def test_json_is_plain_and_says_what_is_not_there(study):
     assert data["verdict"] == budget_json(study.budget)["verdict"]
     assert data["judged_strategy"] == "3"  # with 10 s without fixes before the aperture
     assert data["maps"]["gnss_position_noise_m"]["winner"][0][0] in ("2", "3", "5", "5w")
-    few = design_study(design(radar__aperture_time=1.5, gnss__correlated=True), runs=20)
+    few = image_study(design(radar__aperture_time=1.5, gnss__correlated=True), runs=20)
     data = json.loads(json.dumps(to_json(few), allow_nan=False))
     assert data["strategies"][4]["closed_form"]["residual_rms_m"] is None
     assert data["slow_gnss_error"] == "estimated by the filter"
@@ -230,7 +230,7 @@ def test_json_is_plain_and_says_what_is_not_there(study):
 
 
 def test_a_smeared_response_is_no_response():
-    smeared = design_study(design(coast__before_aperture=600.0, imu__angle_random_walk=10 * ARW), runs=20)
+    smeared = image_study(design(coast__before_aperture=600.0, imu__angle_random_walk=10 * ARW), runs=20)
     index = STRATEGY_KEYS.index("3")
     assert np.isnan(smeared.responses["width_cells"].median[index])
     assert np.isfinite(smeared.parts["residual_rms"].median[index])
@@ -269,7 +269,7 @@ def test_contributors_count_in_the_runs_as_in_the_formulas():
             "limits": [{"name": "own", "on": "detrended_phase", "limit": "9°", "confidence": 3}],
         }
     )
-    plain, full = (design_study(design().replace({}, entries=each), runs=40) for each in (UserEntries(), entries))
+    plain, full = (image_study(design().replace({}, entries=each), runs=40) for each in (UserEntries(), entries))
     np.testing.assert_array_equal(full.rms, plain.rms)  # the runs themselves
     post = np.array([strategy.key == "9" for strategy in STRATEGIES])
     wanted = np.sqrt(plain.rms**2 + 0.02**2 + np.where(post, 1e-3**2, 0.0)) + 0.3e-3

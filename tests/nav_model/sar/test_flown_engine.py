@@ -12,7 +12,7 @@ from nav_model.design import Design
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import decompose
 from nav_model.sar.design_case import design_case
-from nav_model.sar.design_study import chunks, design_study, run_chunk
+from nav_model.sar.design_study import chunks, image_study, run_chunk
 from nav_model.sar.flown_engine import flight_of, histories
 from nav_model.sar.strategies import STRATEGY_KEYS, Tuning
 from nav_model.sar.study_json import to_json
@@ -98,14 +98,14 @@ def test_the_smoother_smooths_what_its_equations_say(flown):
 def test_engines_agree_over_many_flights():
     """Six hundred flights: every strategy within three standard errors, which are 4 % or less."""
     design = Design(X_BAND)
-    agreements = agreement(design_study(design, 600, 2, engine="simulator"), design_study(design, 2000, 2))
+    agreements = agreement(image_study(design, 600, 2, engine="simulator"), image_study(design, 2000, 2))
     assert all(each.agrees for each in agreements), agreements
     assert all(each.error < 0.045 for each in agreements)
 
 
 def test_engines_agree_and_the_document_says_so(compared):
     design = Design(X_BAND | {"radar.aperture_time": 4.0})
-    flown, fast = design_study(design, 60, 3, engine="simulator"), design_study(design, 400, 3)
+    flown, fast = image_study(design, 60, 3, engine="simulator"), image_study(design, 400, 3)
     agreements = agreement(flown, fast)
     assert [each.key for each in agreements] == list(STRATEGY_KEYS[1:])
     compared(

@@ -11,7 +11,7 @@ from nav_model.design.user_entries import read_entries
 from nav_model.sar.decomposition import autofocus, decompose
 from nav_model.sar.design_case import design_case, judged, study_cautions
 from nav_model.sar.design_map import arw_map, gnss_map
-from nav_model.sar.design_study import closed_forms, design_study
+from nav_model.sar.design_study import closed_forms, image_study
 from nav_model.sar.flown_engine import fly_axes
 from nav_model.sar.line_of_sight import range_error
 from nav_model.sar.strategies import STRATEGY_KEYS, Tuning
@@ -99,7 +99,7 @@ def test_a_leg_that_ends_with_the_aperture_leaves_the_rts_smoother(closed_design
 
 
 def test_it_wins_only_where_the_processing_allows(open_design):
-    now, later = (design_study(design, 40, 1) for design in (open_design, open_design.replace(POST)))
+    now, later = (image_study(design, 40, 1) for design in (open_design, open_design.replace(POST)))
     np.testing.assert_array_equal(now.rms, later.rms)
     assert now.best().key != "9"
     assert now.closed.advice.strategy != "9"
