@@ -15,8 +15,9 @@ from nav_model.budget.navigation import steady_marks
 from nav_model.budget.result import Budget
 from nav_model.budget.smoothed import model_of
 from nav_model.design import Design
+from nav_model.design.catalogue import Entry
 from nav_model.design.parts import OUTDATED
-from nav_model.design.presets import entry_of
+from nav_model.design.presets import entry_of, nearest_class
 from nav_model.design.processing import REAL_TIME
 
 _LEAST_ACCURACY = 0.1  # m: below, of carrier phase over a short base line, whose noise is white
@@ -150,12 +151,18 @@ def _of_quantization(budget: Budget) -> list[str]:
     ]
 
 
+def class_for_white_noise(design: Design) -> Entry | None:
+    """The receiver class nearest to a design's accuracy where that seems to be taken for white noise; else None."""
+    gnss = design.gnss
+    stated = gnss.preset is not None or gnss.correlated or "gnss.position_noise" in design.origins
+    return None if stated or gnss.position_noise <= _LEAST_ACCURACY else nearest_class(design)
+
+
 def _of_white_noise(design: Design) -> list[str]:
     """A caution where a receiver's accuracy seems to be taken for white noise, with the figure that it would have
     were most of it slow."""
-    gnss, noise = design.gnss, design.gnss.position_noise
-    stated = gnss.preset is not None or gnss.correlated or "gnss.position_noise" in design.origins
-    if stated or noise <= _LEAST_ACCURACY:
+    gnss, noise, nearest = design.gnss, design.gnss.position_noise, class_for_white_noise(design)
+    if nearest is None:
         return []
     vertical = gnss.vertical_position_noise
     slow = design.replace(
@@ -172,8 +179,8 @@ def _of_white_noise(design: Design) -> list[str]:
     return [
         f"Position noise of {noise:.3g} m counts as white, and fixes average it to {white:.3g} m of horizontal "
         f"position. Most of a receiver's accuracy stays for minutes: with {noise:.3g} m slow over {_SLOW:g} s, and a "
-        f"tenth of it white, that is {other:.3g} m. Take a receiver class (gnss.preset), or give the slow error "
-        "(gnss.correlated)."
+        f"tenth of it white, that is {other:.3g} m. Take a receiver class (gnss.preset, the nearest is "
+        f'"{nearest.name}"), or give the slow error (gnss.correlated).'
     ]
 
 

@@ -1,13 +1,15 @@
 """Presets: the inputs that a catalogue entry fills in a design, and where a design differs from its entry."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import cast
 
 from nav_model.design import Design, Value
-from nav_model.design.catalogue import Entry, Kind, SourcedValue, find
+from nav_model.design.catalogue import Entry, Kind, SourcedValue, catalogue, find
 from nav_model.design.declaration import BASE_LINE, ON_BASE_LINE, BaseQuantity
 from nav_model.design.parts import PRESET_KEYS, Accelerometer, Gyro, declaration_of
+from nav_model.design.processing import REAL_TIME
 
 SHEET_KEYS = tuple(f"{part.section}.{name}" for part in (Gyro, Accelerometer) for name in part.inputs())
 """Inputs of the sensors beside those of the section [imu]."""
@@ -107,6 +109,18 @@ def sheet_of(design: Design, section: str) -> Mapping[str, SourcedValue]:
     """Name of an input -> the value of the section's preset at the design's base line; empty without a preset."""
     entry = entry_of(design, section)
     return {} if entry is None else values_of(entry, design.baseline)
+
+
+def nearest_class(design: Design) -> Entry:
+    """The receiver class whose whole error is nearest to a design's position noise, as a ratio; in real time of those
+    whose fixes come in flight."""
+
+    def off(entry: Entry) -> float:
+        whole = math.hypot(*(entry.values[name].value for name in ("position_noise", "correlated_noise")))
+        return abs(math.log(whole / design.gnss.position_noise))
+
+    later = design.processing.mode != REAL_TIME
+    return min((entry for entry in catalogue("gnss").values() if later or not entry.post_processed), key=off)
 
 
 def without_class(design: Design) -> dict[str, Value]:

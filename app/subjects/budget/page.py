@@ -50,9 +50,11 @@ from app.ui.view import View
 from app.work.pool import run_in_pool
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
+from nav_model.budget.provenance import class_for_white_noise
 from nav_model.budget.sicd import error_statistics
 from nav_model.budget.verdict import flown_names
 from nav_model.design import Design
+from nav_model.design.presets import filled
 from nav_model.explore.closing import LeverSet, closing_sets
 
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
@@ -266,7 +268,7 @@ class BudgetPage(View):
         details = self._details
         return Folded(
             (
-                ("Requirements and cautions", lambda: details.text(requirements)),
+                ("Requirements and cautions", self._requirements),
                 ("Phase and image location, real time and post-processed", lambda: details.text(_both)),
                 (
                     "Paired echoes: vibration and oscillator",
@@ -280,6 +282,24 @@ class BudgetPage(View):
                 ("Exports", self._exports),
             )
         )
+
+    def _requirements(self) -> pn.Column:
+        """Requirements and cautions, with a press for the one that a receiver class answers."""
+        take = pmui.Button(variant="outlined", margin=(0, 10, 10, 10), stylesheets=[PRINT_NOTHING])
+
+        def offer(budget: Budget) -> None:
+            nearest = class_for_white_noise(budget.design)
+            take.param.update(label=f"Take receiver class {nearest.name}" if nearest else "", visible=bool(nearest))
+
+        def fill(_: Any) -> None:
+            design = self.session.design
+            if nearest := class_for_white_noise(design):
+                self.session.change(*filled(nearest, design.baseline))
+
+        take.on_click(fill)
+        column = pn.Column(self._details.text(requirements), take)
+        self._details.add(offer)
+        return column
 
     def _vendor(self) -> VendorPanel:
         panel = VendorPanel(self.session)

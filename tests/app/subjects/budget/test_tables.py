@@ -286,6 +286,21 @@ def test_the_page_follows_the_budget_it_is_shown(mems: Budget) -> None:
     assert [plot.x_range for plot in page._stack.plots] == [page._stack.plots[0].x_range] * 3
 
 
+def test_a_receiver_class_is_one_press_where_an_accuracy_is_taken_for_white() -> None:
+    session = Session(example("mems_x_band").replace({"gnss.position_noise": 0.5}))
+    page = BudgetPage(session)
+    text, take = page._requirements()
+    assert (take.visible, take.label) == (True, "Take receiver class SBAS")
+    take.clicks += 1
+    assert (session.design.gnss.preset, session.design.gnss.correlated) == ("SBAS", True)
+    page.show(session.budget)
+    page._details.follow()
+    assert not take.visible
+    assert "counts as white" not in text.object
+    session.undo()
+    assert session.design.gnss.position_noise == 0.5
+
+
 def test_a_new_comparison_comes_with_one_feed_of_the_curves(monkeypatch: pytest.MonkeyPatch) -> None:
     """With two, the browser was told of columns of different lengths."""
     session = Session(example("mems_x_band"))
