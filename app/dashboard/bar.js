@@ -48,7 +48,7 @@ export function render({ model }) {
       <p>For the Budget page, comparisons and reports. Image shows values as required, other pages 1σ. The verdict does not change.</p>
     </div>
     <div class="menu" data-for="report" hidden>
-      <label>Description, printed on page 1<textarea rows="4" maxlength="2000"></textarea></label>
+      <label>Description<textarea rows="4" maxlength="2000"></textarea></label>
       <div class="studies"></div><p class="left"></p>
       <button data-report="pdf" type="button">PDF report</button>
       <button data-report="html" type="button">HTML report</button>

@@ -8,7 +8,7 @@ import param
 from app.dashboard.comparison import ComparisonChoice
 from app.dashboard.controls import design_groups
 from app.dashboard.geometry import geometry_sketch
-from app.dashboard.start import STARTS, StartChoice
+from app.dashboard.start import PASTED, STARTS, StartChoice
 from app.declared import required
 from app.session import Session
 from app.ui.input_sheet import InputSheet
@@ -33,7 +33,7 @@ class Sidebar(pn.viewable.Viewer):
     def __init__(self, session: Session, lead_to: Callable[[str], object], empty: bool) -> None:
         super().__init__(session=session)
         self._lead_to = lead_to
-        self._start = StartChoice(visible=empty, sizing_mode="stretch_width", margin=(8, 10, 0, 10))
+        self._start = StartChoice(self._fill_in, visible=empty, sizing_mode="stretch_width", margin=(8, 10, 0, 10))
         self._start.param.watch(self._begin, "chosen")
         self._sheet = InputSheet(design_groups(session, _FIRST_OPEN), heading="Design")
         self._sheet.param.watch(lambda event: session.refuse("input", event.new), "invalid")
@@ -46,8 +46,14 @@ class Sidebar(pn.viewable.Viewer):
     def _begin(self, event: param.parameterized.Event) -> None:
         """Open the inputs that the first question takes, and turn to the page that answers it."""
         start = STARTS[event.new]
-        self._sheet.unfold(*start.sections)
+        self._sheet.unfold(*start.sections, enter=event.new != PASTED)
         self._lead_to(start.address)
+
+    def _fill_in(self, rows: str) -> str:
+        """Take the rows of a data sheet."""
+        from app.subjects.sensors.data_sheet import fill_in
+
+        return fill_in(self.session, rows)
 
     @param.depends("session.adopted", watch=True)
     def _forget_invalid(self) -> None:

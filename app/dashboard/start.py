@@ -1,10 +1,11 @@
 """The first question of an empty start: the user's task, its inputs, and the page that answers."""
 
+from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple
 
 import param
 
-from app.ui.theme import BASE, PRINT_NOTHING
+from app.ui.theme import PRINT_NOTHING, SHEET
 from app.upstream.plain_script import PlainScript
 
 
@@ -16,20 +17,19 @@ class Start(NamedTuple):
     sections: tuple[str, ...] = ()
 
 
+PASTED = "My IMU"
+"""The task that has a box for the rows of a data sheet."""
 STARTS = {
     "My radar": Start(
-        "close-sensors",
-        "Type your radar, flight and receiver. The list ranks the IMUs that pass with this receiver.",
+        "budget",
+        "Type your radar, flight and receiver. The verdict follows; Close it ranks the IMUs that pass.",
         ("Radar", "Flight", "GNSS"),
     ),
-    "My IMU": Start(
-        "budget",
-        "Choose your IMU, type the values of its data sheet, or paste its rows under Sensors, IMUs. The verdict "
-        "follows every change.",
-        ("IMU",),
-    ),
+    PASTED: Start("budget", "Paste rows of its data sheet, or choose and type below. The verdict follows.", ("IMU",)),
     "My log": Start("sensors-log", "Choose a log of your IMU. One press puts its noise into the design."),
-}  # fmt: skip
+    "My flight": Start("flight-plan", "Open your plan, or choose lines. The verdict is then of the lines."),
+}
+_MOST = 5000  # characters of a data sheet
 
 
 class StartChoice(PlainScript):
@@ -38,10 +38,19 @@ class StartChoice(PlainScript):
     names = param.List(default=list(STARTS))
     chosen = param.String(default="", doc="Empty: none.")
     says = param.String(default="", doc="What to do next.")
+    pasted = param.String(default=PASTED, constant=True, doc="The one with a box for rows.")
+    answer = param.String(default="", doc="HTML of what became of the rows.")
 
-    _stylesheets: ClassVar[list[str]] = [BASE, PRINT_NOTHING]
+    _stylesheets: ClassVar[list[str]] = [SHEET, PRINT_NOTHING]
+
+    def __init__(self, fill_in: Callable[[str], str], **params: Any) -> None:
+        """fill_in: takes the text that was pasted, returns what to show."""
+        super().__init__(**params)
+        self._fill_in = fill_in
 
     def _handle_msg(self, msg: Any) -> None:
+        if isinstance(msg, dict) and isinstance(msg.get("rows"), str):
+            self.answer = self._fill_in(msg["rows"][:_MOST])
         if isinstance(msg, str) and msg in STARTS:
             self.says = STARTS[msg].says
             self.chosen = msg

@@ -44,7 +44,7 @@ def outcome(design: Design, check: Check, allocation: Allocation) -> str:
     if allocation.closes:
         plan = design.allocation or Allotment()
         value = check_quantity(check, check.value)
-        excess = "" if check.met else f": {number(check.value / allocation.limit)} × too high"
+        excess = "" if check.met else f", {number(check.value / allocation.limit)} × the limit"
         return f"{whole}. Split: {SPLIT_WORDS[plan.split]}. Estimated {value}{excess}."
     return f"{whole}. Does not fit: {', '.join(allocation.blocked_by)} locked too high."
 

@@ -32,3 +32,7 @@ class Drawer(View):
         self._view = pn.Column(head, self.note, *parts, visible=False, stylesheets=[_SHEET])
         for button in (self.button, close):
             button.on_click(lambda _: self._view.param.update(visible=not self._view.visible))
+
+    def open(self) -> None:
+        """Show the parts."""
+        self._view.visible = True

@@ -221,9 +221,11 @@ export function render({ model }) {
     if (answered) answered.shown = null  // what was told may be what there was, in other words
     showAll()
   })
-  model.on("msg:custom", ({ open }) => {
+  model.on("msg:custom", ({ open, enter }) => {
     for (const [title, fold] of folds) fold(open.includes(title))
-    folds.find(([title]) => title === open[0])?.[2].scrollIntoView({ block: "nearest" })
+    const first = folds.find(([title]) => title === open[0])?.[2]
+    first?.scrollIntoView({ block: "nearest" })
+    if (enter) first?.closest("section").querySelector("input:not([type=range], [type=checkbox])")?.select()
   })
   return place
 }

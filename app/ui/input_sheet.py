@@ -144,9 +144,9 @@ class InputSheet(PlainScript):
             each.error = ""
         self.follow()
 
-    def unfold(self, *titles: str) -> None:
-        """Open these groups, close every other, and go to the first."""
-        self._send_msg({"open": titles})
+    def unfold(self, *titles: str, enter: bool = False) -> None:
+        """Open these groups, close every other, and go to the first; ``enter``: into its first box."""
+        self._send_msg({"open": titles, "enter": enter})
 
     def enter(self, key: str, text: str) -> None:
         """A person has typed or chosen something."""

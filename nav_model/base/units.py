@@ -119,7 +119,7 @@ def parse_exact(
     scale = table.scale(unit.strip())
     if scale.per_metre and not (baseline is not None and math.isfinite(baseline)):
         asked = "Write" if baseline is None else "Give gnss.baseline, for example 10 km, or write"
-        raise InputError(_KEY, f"{quoted(text)} grows with the base line. {asked} the sum at yours.", text)
+        raise InputError(_KEY, f"{quoted(text)} grows with the baseline. {asked} the sum at yours.", text)
     along = baseline if scale.per_metre and baseline else 0.0
     return table.amount(_decimal(match[0], text), scale.unit, along), scale.unit
 

@@ -37,7 +37,7 @@ class Requirements(Part):
         default="prior",
         options={"prior": "before a fix", "closed": "average between fixes", "posterior": "after a fix"},
         short="ss",
-        label="Steady state checked",
+        label="Check position",
         doc="Which moment is checked: before a fix, where the error is largest, the average (rms) "
         "between fixes, or after a fix.",
     )

@@ -189,7 +189,7 @@ class Gnss(Part):
         short="gbl",
         bounds=(0.0, 1e6),
         softbounds=(100.0, 1e5),
-        label="Base line",
+        label="Baseline",
         doc='Distance from the base station, for noise that grows with it: "1 cm + 1 ppm".',
         datasheet="From the flight plan: distance to the base station.",
         typical="1 to 30 km",

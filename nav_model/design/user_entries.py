@@ -78,9 +78,8 @@ class Limit(OneSigma):
         self.refuse_accuracy(f"{self.where}.limit")
         figure = FIGURES.get(self.on)
         if self.at is not None and (figure is None or figure.kind != "outage"):
-            raise InputError(
-                f"{self.where}.at", f"{label_of(self.on)} is not an outage figure, so it takes no time.", self.at
-            )
+            why = f"{label_of(self.on)} has no time after the last fix. Limit its value after the outage instead."
+            raise InputError(f"{self.where}.at", why, self.at)
         if self.confidence is not None and figure and not figure.scaled:
             raise InputError(f"{self.where}.confidence", f"does not multiply {label_of(self.on)}. Leave it out.")
 

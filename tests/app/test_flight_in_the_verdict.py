@@ -266,7 +266,7 @@ def test_a_limit_with_a_time_is_one_on_the_outage_and_a_refused_one_greys_the_st
     assert (limit.on, limit.at, page._limits.refused) == ("coast_tilt", 30.0, "")
     assert page._strip._view.css_classes != ["open"]
     page._limits.put([row | {"on": "detrended_phase", "limit": "3°", "at": "30 s"}])
-    assert "is not an outage figure" in page._limits.refused
+    assert "has no time after the last fix" in page._limits.refused
     budget, image = BudgetPage(session), SarPage(session)
     for each in (budget, image):
         each.show(session.budget)

@@ -251,7 +251,7 @@ def test_what_would_close_it_is_one_press_away(desk: Page) -> None:
     way.click()
     expect(desk.get_by_role("status").first).to_contain_text("✓ Closes")
     expect(way).to_be_hidden()  # it has done its work
-    expect(desk.get_by_role("button", name="Largest allowed values")).to_be_visible()
+    expect(desk.get_by_role("button", name="Headroom")).to_be_visible()
 
 
 def test_image_location_errors_are_taken_away(plain: Page) -> None:

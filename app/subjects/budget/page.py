@@ -314,7 +314,7 @@ class BudgetPage(View):
 
 
 def _ask(budget: Budget) -> str:
-    return "Largest allowed values" if budget.verdict.closes else "What would close it"
+    return "Headroom" if budget.verdict.closes else "What would close it"
 
 
 def _largest(budget: Budget, largest: tuple[Way, ...]) -> Block:

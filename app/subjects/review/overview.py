@@ -20,7 +20,7 @@ def overview(reviews: Sequence[Review]) -> TableBlock:
 def state_of(review: Review) -> Answer:
     """Status of a review: its mark and words, and its contents."""
     undecided = len(review.open_points())
-    tone, state = "open", f"Open, {undecided} to decide" if undecided else "Open, all decided: can be signed"
+    tone, state = "open", f"Open, {undecided} to decide" if undecided else "Ready to sign"
     if not review.intact:
         tone, state = "bad", f"✗ {review.doubt[0].upper()}{review.doubt[1:]}: do not rely on it"
     elif review.signed:

@@ -35,24 +35,30 @@ class DataSheetBox(View):
         self._view = pn.Column(self.rows, self.fill, self.answer)
 
     def _take(self) -> None:
-        try:
-            values = read_data_sheet(self.rows.value_input or self.rows.value or "")
-            problem = self.session.change(values.changes, values.written, values.origins) if values.changes else None
-        except InputError as error:
-            problem, values = error, SheetValues({}, {}, {}, ())
-        self.answer.object = html_of(*([Text(f"Not filled in. {problem}")] if problem else self._blocks(values)))
+        self.answer.object = fill_in(self.session, self.rows.value_input or self.rows.value or "")
 
-    def _blocks(self, values: SheetValues) -> list[Block]:
-        blocks: list[Block] = []
-        if values.changes:
-            rows = (
-                (str(declaration_of(key).label), entered(self.session.design, key),
-                 input_in_words(self.session.design, key, value), values.origins[key].partition(": ")[2])
-                for key, value in values.changes.items()
-            )  # fmt: skip
-            heads = [Column("Input"), *numbers("As printed", "1σ per axis"), Column("From")]
-            blocks.append(table("data-sheet", "Filled in. Undo reverts.", heads, rows))
-        if values.rest or not values.changes:
-            rest = values.rest or ("The text has no row with a name and a number.",)
-            blocks.append(Bullets(rest, "Not understood"))
-        return blocks
+
+def fill_in(session: Session, text: str) -> str:
+    """Put the values of a data sheet's rows into the design; HTML of what was taken, and what was not understood."""
+    try:
+        values = read_data_sheet(text)
+        problem = session.change(values.changes, values.written, values.origins) if values.changes else None
+    except InputError as error:
+        problem, values = error, SheetValues({}, {}, {}, ())
+    return html_of(*([Text(f"Not filled in. {problem}")] if problem else _blocks(session, values)))
+
+
+def _blocks(session: Session, values: SheetValues) -> list[Block]:
+    blocks: list[Block] = []
+    if values.changes:
+        rows = (
+            (str(declaration_of(key).label), entered(session.design, key),
+             input_in_words(session.design, key, value), values.origins[key].partition(": ")[2])
+            for key, value in values.changes.items()
+        )  # fmt: skip
+        heads = [Column("Input"), *numbers("As printed", "1σ per axis"), Column("From")]
+        blocks.append(table("data-sheet", "Filled in. Undo reverts.", heads, rows))
+    if values.rest or not values.changes:
+        rest = values.rest or ("The text has no row with a name and a number.",)
+        blocks.append(Bullets(rest, "Not understood"))
+    return blocks

@@ -1,11 +1,14 @@
 """The Sensors page: log analysis and the catalogue, one view at a time, under the origins of the design's noise."""
 
+from dataclasses import replace
 from typing import Any
 
 import panel as pn
 
 from app.declared import required
+from app.document.blocks import Answer
 from app.document.pane import html_of
+from app.document.verdict import verdict_strip
 from app.session import Session
 from app.subjects.sensors.catalogue import catalogue_table
 from app.subjects.sensors.data_sheet import DataSheetBox
@@ -40,7 +43,7 @@ class SensorsPage(View):
         self._chosen: dict[Kind, str | None] = {}
         self._mark()
 
-        self._strip = AnswerStrip(origin_answer(session.design))
+        self._strip = AnswerStrip(_answer(session.budget))
         self._views = NamedViews(
             "What to see",
             {
@@ -58,10 +61,14 @@ class SensorsPage(View):
 
     def show(self, budget: Budget) -> None:
         """Follow the current budget."""
-        self._strip.show(origin_answer(budget.design))
+        self.show_verdict(budget)
         self.log.moving.follow()
         self.log.static.follow()
         self._mark()
+
+    def show_verdict(self, budget: Budget) -> None:
+        """Follow the verdict alone, which the design's flight has changed."""
+        self._strip.show(_answer(budget))
 
     def _mark(self) -> None:
         """Mark the entries of the catalogue that the design has; a table is made again only when that changes."""
@@ -70,6 +77,12 @@ class SensorsPage(View):
             if self._chosen.get(kind) != chosen:
                 self._chosen[kind] = chosen
                 table.html = html_of(catalogue_table(kind, chosen))
+
+
+def _answer(budget: Budget) -> Answer:
+    """The verdict, and where the noise comes from."""
+    verdict = verdict_strip(budget)
+    return replace(verdict, sentences=(*verdict.sentences, *origin_answer(budget.design).sentences))
 
 
 def _scrolled(*content: Any) -> pn.Column:

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 _DEG = 180 / math.pi
 _MOST_SOURCES = 6
-_SETTLED = 3.0  # seconds from which on a limit has been met before it is passed
 _TO_SCALE = 5.0  # longer and narrower flights would be one line on a map to scale
 _ROOM_FOR_A_NAME = 0.012  # of the time axis, a letter
 _SHARE_STYLES = ("horizontal", "vertical", "yaw", "tilt", "filter", "does not close", "reference")  # a colour each
@@ -128,11 +127,18 @@ def _passed(
     followed: Followed | None, name: str, over: tuple[tuple[float, float], ...], scale: float
 ) -> tuple[Points, ...]:
     """When the figure is first beyond its limit, where it was within it before."""
-    limits = () if followed is None else limits_along(followed, name)
-    crossings = [(at, level) for at, _ in over for start, stop, level in limits if start + _SETTLED < at <= stop][:1]
-    at, levels = np.array(crossings).reshape(-1, 2).T
-    names = tuple(map(clock, at))
-    return (Points("passed", "first beyond the limit", at, scale * levels, names, "limit", "name"),)
+    if followed is None:
+        return ()
+    time, value = followed.result.time_s, followed.result.chosen.figures[name]
+    crossings = []
+    for at, _ in over:
+        before = int(np.searchsorted(time, at)) - 1
+        for start, stop, level in limits_along(followed, name):
+            if before >= 0 and start <= time[before] and at <= stop and value[before] <= level:
+                crossings.append((at, level))
+    moments, levels = np.array(crossings[:1]).reshape(-1, 2).T
+    names = tuple(map(clock, moments))
+    return (Points("passed", "first beyond the limit", moments, scale * levels, names, "limit", "name"),)
 
 
 def judged_how(followed: Followed | None, name: str) -> str:

@@ -141,6 +141,11 @@ class TrajectoryPage(StudyPage[Followed]):
         if (self._result is None or self._outdated or self.run.message) and not self._recall():
             self.begin(_SETTLE_SECONDS)
 
+    def go_to(self, place: str) -> None:
+        """Open the plan, for "#flight-plan"."""
+        if place == "plan":
+            self._drawer.open()
+
     def _follow_plan(self) -> None:
         self._plan.show()
         if self.flight != _FILE:

@@ -103,7 +103,7 @@ def test_a_box_says_what_was_made_of_a_number_as_printed(session: Session) -> No
     sheet.enter("gnss.baseline", "30 km")
     assert sheet.row(key)["note"] == "1 cm + 1 ppm = 4.00 cm, 1σ per axis."
     sheet.enter("gnss.baseline", "")
-    assert "grows with the base line" in sheet.row("gnss.baseline")["error"]
+    assert "grows with the baseline" in sheet.row("gnss.baseline")["error"]
     sheet._handle_msg({"key": key, "place": -1.0, "number": 1})  # the slider moves a plain number
     assert sheet.row(key)["text"] == "10 cm"
     assert sheet.row(key)["note"] == ""

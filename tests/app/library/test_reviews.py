@@ -175,7 +175,7 @@ def test_the_overview_counts_what_is_open_decided_rejected_and_signed(library: L
     review = decided(library, review)  # what is not met is rejected
     failed = sum(not check.met for revision in review.revisions for check in revision.budget().verdict.checks)
     assert failed > 0
-    assert _overview_cells(review)[:5] == ["Open, all decided: can be signed", "2", "0", str(failed), "1"]
+    assert _overview_cells(review)[:5] == ["Ready to sign", "2", "0", str(failed), "1"]
     assert _overview_cells(review)[6].endswith("Bob")
     review = sign(library, review.id, "Ann", review.version)
     assert _overview_cells(review)[0] == "✗ Signed by Ann: rejected"

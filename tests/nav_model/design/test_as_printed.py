@@ -76,9 +76,9 @@ def test_noise_written_with_ppm_follows_the_base_line():
     assert parse_design(text, changes=["gnss.baseline=30 km"]) == farther
     slid = farther.replace({"gnss.position_noise": 0.005})  # a value is a value, below what the base line adds too
     assert parse_design(format_design(slid)) == slid
-    with pytest.raises(InputError, match=r"gnss.position_noise: '1 cm \+ 1 ppm' grows with the base line. Give gnss"):
+    with pytest.raises(InputError, match=r"gnss.position_noise: '1 cm \+ 1 ppm' grows with the baseline. Give gnss"):
         parse_design('[gnss]\nposition_noise = "1 cm + 1 ppm"\n')
-    with pytest.raises(InputError, match="grows with the base line"):
+    with pytest.raises(InputError, match="grows with the baseline"):
         farther.replace({"gnss.baseline": None})
 
 
@@ -129,9 +129,9 @@ def test_a_drift_is_no_random_walk():
         (
             "gnss.position_noise",
             "10 mm + 1.0 ppm (x baseline length)",
-            "grows with the base line. Give gnss.baseline",
+            "grows with the baseline. Give gnss.baseline",
         ),
-        ("gnss.position_noise", "1 cm + 1 mm/km", "grows with the base line. Give gnss.baseline"),
+        ("gnss.position_noise", "1 cm + 1 mm/km", "grows with the baseline. Give gnss.baseline"),
         ("gnss.vertical_position_noise", "2 m HRMS", "is of a circle"),
         ("imu.gyro_bias", "10 °/h (-40 to 85 °C)", "is over a range of temperatures"),
         ("gyro.scale_factor", "0.5 % FS", "is of a range"),

@@ -266,7 +266,7 @@ def test_rows_as_a_manual_prints_them() -> None:
         "10 s: horizontal 5 cm, vertical 5 cm, horizontal velocity 0.02 m/s, roll & pitch 8e-3°, true heading 0.03°",
         "after 60 s: horizontal 0.5 m, vertical 0.3 m, velocity 0.02 m/s, tilt 0.012°, yaw 0.06°",
     ]
-    with pytest.raises(InputError, match=r"grows with the base line\. Give gnss\.baseline"):
+    with pytest.raises(InputError, match=r"grows with the baseline\. Give gnss\.baseline"):
         invert(Design(), rows)
     design = parse_design('[gnss]\npreset = "RTK"\nbaseline = "1 km"')
     inversion = invert(design, rows)
