@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import combinations
 from operator import attrgetter
 from typing import NamedTuple, cast
 
@@ -49,6 +50,7 @@ _BEFORE = "before"
 _NO_PLAN = "No manoeuvre is among the options, as this flight has no waypoints: only lines and waypoints are a plan."
 _LONGER = 600.0  # s that a line is flown on, to see when it fails
 _PREFERRED = ("manoeuvre", "aid", "imu")
+_MOST_PAIRED = 4  # options of which two are flown together
 Way = Callable[[Plan, int], Plan]
 """A plan and the number of a waypoint where a line begins -> the plan with a manoeuvre there."""
 Step = tuple[Sequence[Way], int]
@@ -140,11 +142,18 @@ class _Question(NamedTuple):
         return [n for n, line in enumerate(self.lines) if line.name in self.names and not line.closes]
 
 
-class _Answer(NamedTuple):
-    """The best option of a kind, None where none can be flown, and lines at which a manoeuvre alone did nothing for
-    the others in question."""
+class _Flown(NamedTuple):
+    """A candidate and what it does."""
 
-    option: Option | None
+    candidate: _Candidate
+    option: Option
+
+
+class _Answer(NamedTuple):
+    """The best candidate of a kind, None where none can be flown, and lines at which a manoeuvre alone did nothing
+    for the others in question."""
+
+    flown: _Flown | None
     no_effect_elsewhere: frozenset[tuple[str, ...]]
 
 
@@ -198,17 +207,20 @@ def manoeuvres(
         return Manoeuvres(chosen[0].name, (), True, figures)
     question = _Question(plan, lines, names)
     kinds: list[Iterable[_Candidate]] = [] if note else [*_manoeuvres(question)]
-    kinds += _equipment(design)
-    options: list[Option] = []
+    kinds += _equipment(design, processed=design.trajectory.planned or flight is not None)
+    flown: list[_Flown] = []
     skipped = frozenset[tuple[str, ...]]()
     for n, kind in enumerate(kinds, 1):
         best = _best(question, kind, skipped, partial(progress, n / (len(kinds) + 2)))
         skipped |= best.no_effect_elsewhere
-        options += [best.option] if best.option else []
-    if not note and not any(option.closes and option.kind == "manoeuvre" for option in options):
-        kind, share = _in_parts(question, after_turn=True), 1.0 - 1.0 / (len(kinds) + 2)
-        best = _best(question, kind, skipped, partial(progress, share))
-        options += [best.option] if best.option else []
+        flown += [best.flown] if best.flown else []
+    share = 1.0 - 1.0 / (len(kinds) + 2)
+    if not note and not any(each.option.closes and each.option.kind == "manoeuvre" for each in flown):
+        best = _best(question, _in_parts(question, after_turn=True), skipped, partial(progress, share))
+        flown += [best.flown] if best.flown else []
+    options = [each.option for each in flown]
+    if not any(option.closes for option in options):
+        options += _two_at_a_time(question, flown, partial(progress, share))
     options.sort(key=lambda option: (not option.closes, _PREFERRED.index(option.kind), option.costs_s))
     if options and options[0].closes and options[0].where.startswith(_BEFORE):
         progress(1.0 - 0.5 / (len(kinds) + 2), f"{options[0].name}: how long before the line ends")
@@ -253,7 +265,7 @@ def _best(
     progress : callable
         Called with the name of what is flown.
     """
-    flown: list[Option] = []
+    flown: list[_Flown] = []
     no_effect_elsewhere = set(skipped)
     least = _excess(_figures(question.lines, question.names))
     for candidate in kind:
@@ -266,7 +278,7 @@ def _best(
         except InputError:  # there is no room for it, or no way to it
             continue
         option = _option(question, candidate, changed, lines)
-        flown.append(option)
+        flown.append(_Flown(candidate, option))
         others = [name for name in question.names if name not in candidate.lines]
         if candidate.lines and others:
             here, elsewhere = (_gain(question, lines, names) for names in (candidate.lines, others))
@@ -276,8 +288,31 @@ def _best(
         # What follows costs more; where this is no better than what came before, that is not either.
         if option.closes or (gain > _NO_BETTER and set(candidate.lines) in (set(), set(question.names))):
             break
-    best = min(flown, key=lambda option: (not option.closes, _excess(option.figures)), default=None)
+    best = min(flown, key=lambda each: (not each.option.closes, _excess(each.option.figures)), default=None)
     return _Answer(best, frozenset(no_effect_elsewhere))
+
+
+def _two_at_a_time(question: _Question, flown: Iterable[_Flown], progress: Callable[[str], None]) -> Iterator[Option]:
+    """Two options together where none closes alone: of the best pairs the first that closes, else the nearest."""
+    good = sorted((each for each in flown if not each.option.useless), key=lambda each: _excess(each.option.figures))
+    made: list[Option] = []
+    for first, second in combinations(good[:_MOST_PAIRED], 2):
+        turns, other = sorted((first.candidate, second.candidate), key=lambda each: _PREFERRED.index(each.kind))
+        if other.kind == _PREFERRED[0]:  # two manoeuvres at the same lines
+            continue
+        apply = partial(_both, turns.apply, other.apply)
+        name = f"{turns.name} and {in_sentence(other.name)}"
+        pair = turns._replace(name=name, apply=apply, written={**turns.written, **other.written})
+        if best := _best(question, [pair], frozenset(), progress).flown:
+            made.append(best.option)
+        if made and made[-1].closes:
+            break
+    if made:
+        yield min(made, key=lambda option: (not option.closes, _excess(option.figures)))
+
+
+def _both(first: Callable[[_Plan], _Plan], second: Callable[[_Plan], _Plan], plan: _Plan) -> _Plan:
+    return second(first(plan))
 
 
 def _planned(design: Design) -> _Plan:
@@ -353,9 +388,16 @@ def _manoeuvres(question: _Question) -> Iterator[Iterable[_Candidate]]:
     yield _in_parts(question)
 
 
-def _equipment(design: Design) -> Iterator[Iterable[_Candidate]]:
-    """Aids and IMUs by kind, with which the same is flown: within one, the coarser come first."""
-    for aids in (heading_levers(design), velocity_levers(design)):
+def _equipment(design: Design, *, processed: bool) -> Iterator[Iterable[_Candidate]]:
+    """Aids and IMUs by kind, with which the same is flown: within one, the coarser come first.
+
+    `processed`: whether a smoother of the same flight is an aid too; without lines it would be flown further.
+    """
+    for aids in (
+        levers(design, ["processing"] if processed else []),
+        heading_levers(design),
+        velocity_levers(design),
+    ):
         yield [
             _Candidate(each.name, "aid", partial(_equipped, each.changes))
             for each in aids

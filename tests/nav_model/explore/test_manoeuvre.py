@@ -10,6 +10,7 @@ from scipy.stats import chi2
 from nav_model.base.constants import DEGREE
 from nav_model.base.errors import InputError
 from nav_model.design import Design
+from nav_model.design.declaration import in_sentence
 from nav_model.design.trajectory import LIMITED
 from nav_model.explore.manoeuvre import Manoeuvres, Option, manoeuvres
 from nav_model.simulation.single_run import POSTERIOR
@@ -305,3 +306,18 @@ def test_simulated_flights_with_the_manoeuvre_have_the_heading_that_it_promises(
         # What was offered is of a filter that has settled before; after the manoeuvre that is the same.
         offered = settled.real_time.attitude[on, 2]
         np.testing.assert_allclose(offered, result.real_time.attitude[on, 2], rtol=0.03)
+
+
+@pytest.mark.long
+def test_where_nothing_closes_alone_two_options_are_flown_together() -> None:
+    least = min(option.figures["heading"].worst for option in manoeuvres(PLAN).options)
+    design = PLAN.replace({"requirements.heading": 0.5 * least})
+    answer = manoeuvres(design)
+    names = {option.name for option in answer.options if option.kind != "manoeuvre"}
+    (pair,) = [each for each in answer.options if any(each.name.endswith(f" and {in_sentence(n)}") for n in names)]
+    again = flown(taken(design, pair))
+    assert pair.closes == all(line.closes for line in again.lines)
+    alone = [option.figures["heading"].ratio for option in answer.options if option is not pair]
+    assert min(alone) > 1.0
+    assert excess(again, answer.lines) == pytest.approx(pair.figures["heading"].ratio, rel=1e-9)
+    assert pair.figures["heading"].ratio < min(alone)
