@@ -36,7 +36,7 @@ def _other(figure: KeyFigure, was: KeyFigure | None) -> str:
     label = escape(figure.label)
     return (
         f'<div class="card" title="{label}: {escape(figure.detail)}"><dt>{label}</dt> '
-        f'<dd class="big num">{escape(figure.value)}</dd> {_change(figure, was)}</div>'
+        f'<dd><span class="big num">{escape(figure.value)}</span> {_change(figure, was)}</dd></div>'
     )
 
 

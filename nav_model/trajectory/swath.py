@@ -18,7 +18,7 @@ from nav_model.trajectory import line_length
 from nav_model.trajectory.covariance import lines_along
 from nav_model.trajectory.design_study import at_range
 from nav_model.trajectory.line_length import Progress
-from nav_model.trajectory.result import LineResult, Swath, TrajectoryResult
+from nav_model.trajectory.result import STATE_AXES, LineResult, Swath, TrajectoryResult
 
 _FLATTEST, _STEEPEST = Radar.param["grazing_angle"].softbounds
 _CLOSE = 0.01  # of the range: how near its end is to one that does not close
@@ -46,7 +46,7 @@ def with_swath(
     """
     study, radar = result.spec.study, design.radar
     height = radar.slant_range * math.sin(radar.grazing_angle)
-    limited = any(line.limits for line in result.lines)
+    limited = any(line.limits.keys() - STATE_AXES for line in result.lines)  # no range changes a state
     if not limited or not height or _USUAL_TRIALS * study.duration > line_length.MOST_FIXES * study.gnss.interval:
         return result
     trials = 0
