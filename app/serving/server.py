@@ -34,6 +34,7 @@ from app.serving.handlers import (
 from app.serving.hosts import Hosts, first_rules
 from app.serving.logs import event, request_done, set_up, short
 from app.serving.metrics import ServerMetrics
+from app.serving.packed import packed_files
 from app.serving.rules import Rules
 from app.session import Session, link_parts
 from app.subjects import SUBJECTS, TABS
@@ -165,6 +166,7 @@ def serve_on(
         verbose=False,
         websocket_origin=origins(rules.address, port, rules.allow_origin),
         websocket_max_message_size=rules.max_message,
+        websocket_compression_level=3,  # of a page's first message: `app.upstream.connection`
         http_server_kwargs={
             "max_body_size": _MAX_BODY,
             "max_header_size": _MAX_HEADER,
@@ -180,7 +182,7 @@ def serve_on(
         **access,
         **around(rules, here, metrics),
     )
-    ask_first(server, first_rules(Hosts(rules.address, rules.allow_origin)))
+    ask_first(server, [*first_rules(Hosts(rules.address, rules.allow_origin)), *packed_files()])
     settle()
     row.put("pid", os.getpid())
     ready()

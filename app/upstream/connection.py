@@ -112,8 +112,15 @@ def keep_first_changes() -> None:
 _TEXT, _BINARY = 0x1, 0x2  # kinds of frame, RFC 6455 section 5.2
 
 
-def _frame(kind: int, data: bytes) -> bytes:
-    """A whole message of a server, not compressed (RFC 6455 section 5.2; RFC 7692 leaves that open for each)."""
+_LARGE = 100_000  # bytes: a whole page; a step's are less, and compressing them would cost more than they are worth
+
+
+def _frame(kind: int, data: bytes, websocket: Any) -> bytes:
+    """A whole message of a server, compressed where it is large and the browser takes it so (RFC 6455 section 5.2;
+    RFC 7692 leaves that open for each). What is compressed is to be written next: it refers to what was before."""
+    packing = getattr(websocket, "_compressor", None) if len(data) >= _LARGE else None
+    if packing is not None:
+        data, kind = packing.compress(data), kind | 0x40
     size = len(data)
     if size < 126:
         length = bytes([size])
@@ -129,30 +136,32 @@ def _dispatch(connection: Any, events: Sequence[Any] | None = None, msg: Any = N
     websocket = connection._socket.ws_connection
     if websocket is None or websocket.is_closing() or not (events or msg):
         return []
-    whole = _whole(msg or connection.protocol.create("PATCH-DOC", events))
+    whole = _whole(msg or connection.protocol.create("PATCH-DOC", events), websocket)
     try:
         return [asyncio.ensure_future(_written(websocket.stream.write(whole)))]
     except StreamClosedError:
         return []
 
 
-def _whole(message: Any) -> bytes:
+def _whole(message: Any, websocket: Any) -> bytes:
     """Every frame of a message, one after the other."""
     texts = (message.header_json, message.metadata_json, message.content_json)
-    frames = [_frame(_TEXT, text.encode()) for text in texts]
+    frames = [_frame(_TEXT, text.encode(), websocket) for text in texts]
     for buffer in message._buffers:
-        frames += _frame(_TEXT, json.dumps(buffer.ref).encode()), _frame(_BINARY, bytes(buffer.to_bytes()))
+        frames.append(_frame(_TEXT, json.dumps(buffer.ref).encode(), websocket))
+        frames.append(_frame(_BINARY, bytes(buffer.to_bytes()), websocket))
     return b"".join(frames)
 
 
 async def _answer(message: Any, socket: Any) -> int:
     """As Bokeh's ``Message.send``: write what answers a message of the page; its bytes."""
-    whole = _whole(message)
     with await socket.write_lock.acquire():
         websocket = socket.ws_connection
-        if websocket is not None and not websocket.is_closing():
-            with suppress(StreamClosedError):
-                await websocket.stream.write(whole)
+        if websocket is None or websocket.is_closing():
+            return 0
+        whole = _whole(message, websocket)
+        with suppress(StreamClosedError):
+            await websocket.stream.write(whole)
     return len(whole)
 
 

@@ -23,6 +23,7 @@ from panel.io.resources import LOCAL_DIST, Resources
 from panel.io.server import DocHandler, server_html_page_for_session
 from tornado.web import decode_signed_value
 
+_UNUSED = ("bokeh-gl", "bokeh-mathjax")  # no chart is drawn by WebGL; Panel asks for the tables
 _ANY_AGE = 36_500  # days: the login held when the token was given out, and the token has an end of its own
 
 
@@ -33,6 +34,7 @@ def page_of(document: Document, title: str) -> Callable[[str], str]:
     """
     token = secrets.token_hex(32)
     resources = bokeh.resources.Resources(mode="server", root_url="/", path_versioner=StaticHandler.append_version)
+    resources.components = [part for part in resources.components if part not in _UNUSED]
     text = server_html_page_for_session(
         SimpleNamespace(document=document, token=token),
         Resources.from_bokeh(resources),
