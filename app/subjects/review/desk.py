@@ -80,7 +80,7 @@ class Desk(param.Parameterized):
 
     def say(self, message: str, *, wrong: bool = False) -> None:
         """Show a message; screen readers read it aloud."""
-        answer = Answer("", "bad" if wrong else "good", (f"{'✗' if wrong else '✓'} {message}",))
+        answer = Answer("", "bad" if wrong else "open", (f"{'✗' if wrong else '✓'} {message}",))
         self.notice.object = html_of(answer) if message else ""
 
     async def ask(self, work: Callable[[Library], _T], before: str = "") -> _T | None:

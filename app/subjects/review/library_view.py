@@ -205,7 +205,7 @@ class LibraryView(View):
         self._note.value = ""
         self.desk.session.came_from(saved)
         await self.refresh()
-        self.desk.say(f"Saved: revision {saved.number} of {saved.name}. {saved.verdict}")
+        self.desk.say(f"Saved: revision {saved.number} of {saved.name}.")
 
     async def _catch_up(self, base: Revision) -> None:
         """After somebody else's save: the next save is on top of theirs, as the button then says."""

@@ -172,6 +172,7 @@ class ReviewRoom(View):
                 part.visible = review is None
             self._table.visible = review is not None
             self._talk.visible = self._sign_button.visible = open_
+            self._sign_button.variant = "outlined" if review and review.open_points() else "contained"
             self._details.visible = review is not None
             if review is None:
                 self._comments.object = _EMPTY
