@@ -22,6 +22,7 @@ from nav_model.budget.verdict import flown_names
 from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.link import SETTINGS, STUDY_PREFIX, split_link, to_query
+from nav_model.design.offers import KINDS, Offers
 from nav_model.design.parts import declaration_of
 from nav_model.design.several import with_unit
 from nav_model.design.user_entries import UserEntries
@@ -86,6 +87,7 @@ class Session(param.Parameterized):
     def __init__(self, design: Design) -> None:
         super().__init__(budget=analyse(design), lineage=Lineage())
         self.start = design
+        self.offers: Offers = {kind: {} for kind in KINDS}  # the user's own sensors, beside the catalogue's
         self._past: list[tuple[Design, Lineage]] = []
         self._future: list[tuple[Design, Lineage]] = []
         self._last: tuple[frozenset[str], float] = (frozenset(), 0.0)

@@ -11,8 +11,10 @@ from app.document.wording import input_in_words
 from nav_model.budget import Budget
 from nav_model.budget.verdict import flown_names
 from nav_model.design import Design, Value
+from nav_model.design.catalogue import catalogue
 from nav_model.design.declaration import in_sentence
 from nav_model.design.figures import figure_in_sentence
+from nav_model.design.offers import Offers
 from nav_model.design.parts import declaration_of
 from nav_model.explore.closing import Closing, LeverSet
 from nav_model.explore.levers import ASKED_FOR, GROUPS, Group, Lever
@@ -155,7 +157,7 @@ def sets_table(design: Design, sets: Sequence[LeverSet], key: str = "sets", *, b
     )
     rows: list[Row] = []
     for each in sets:
-        greater = (each.greater[-1], *each.greater[:1])[: len(each.greater)]
+        greater = each.greater if len(each.greater) < 2 else (each.greater[-1], each.greater[0])
         price = "not given" if each.price is None else f"{number(each.price, 4, given=True)} {each.currency}"
         rows.append(
             (
@@ -255,16 +257,22 @@ def ways_table(budget: Budget, ways: Sequence[Way]) -> TableBlock:
     )
 
 
-def closing_options(choice: str) -> dict[str, Any]:
+def closing_options(choice: str, offers: Offers) -> dict[str, Any]:
     """Arguments of `closing_sets` for a choice of what may change, as a link has it: "close.changes=velocity,imu".
 
-    Groups that a choice does not name stay.
+    Groups that a choice does not name stay. Offers are beside the catalogue's units and receivers.
     """
     texts = dict(parse_qsl(choice))
     options: dict[str, Any] = {}
+    if any(offers.values()):
+        options |= {
+            "imus": {**catalogue("imu"), **offers["imu"]},
+            "receivers": {**catalogue("gnss"), **offers["gnss"]},
+        }
     if changes := texts.get("close.changes"):
         chosen = set(changes.split(","))
-        options = {"allow": [*chosen & set(ASKED_FOR)], "lock": [name for name in GROUPS if name not in chosen]}
+        options["allow"] = [*chosen & set(ASKED_FOR)]
+        options["lock"] = [name for name in GROUPS if name not in chosen]
     if (reserve := texts.get("close.reserve", "")).isdecimal():
         options["reserve"] = min(int(reserve), 90) / 100
     return options

@@ -25,6 +25,7 @@ MOST_LEVERS = 3
 LITTLE = 0.25
 """Part of a variance below which lowering its source buys little, and what little is."""
 _GAIN = 1e-3  # of the worst ratio, below which a lever changes nothing
+_MOST_TRIED = 300  # levers: some 15,000 sets
 _BOUGHT: tuple[Group, ...] = ("receiver", "imu")
 
 
@@ -155,8 +156,8 @@ def closing_sets(
     Raises
     ------
     InputError
-        For a design without a requirement or that `analyse` refuses, for an unknown group or key, and for prices in
-        several currencies.
+        For a design without a requirement or that `analyse` refuses, for an unknown group or key, for prices in
+        several currencies, and for more than 300 levers.
 
     Examples
     --------
@@ -181,6 +182,9 @@ def closing_sets(
     groups, keys = _choices(allow, lock)
     one_currency([*(imus or {}).values(), *(receivers or {}).values()])
     every = [lever for lever in levers(design, GROUPS, imus, receivers) if not keys & lever.changes_in(design).keys()]
+    if len(every) > _MOST_TRIED:
+        reason = f"{len(every)} changes to combine are too many, at most {_MOST_TRIED}; give fewer units or receivers"
+        raise InputError("offers", reason)
     on, off = ([lever for lever in every if (lever.group in groups) == state] for state in (True, False))
     today = _judged(design, [()])[0]
     alone = _judged(design, [(lever,) for lever in on if _needs_met(design, (lever,))])

@@ -193,7 +193,7 @@ def _bought(
     needs: Mapping[str, Value] | None = None,
 ) -> Lever:
     """A part of a catalogue; one of the user's own is no preset of the product."""
-    shipped = catalogue(entry.kind).get(entry.name) is entry
+    shipped = catalogue(entry.kind).get(entry.name) == entry
     if not shipped:
         changes = {**changes, f"{entry.kind}.preset": None}
     doubts = tuple(

@@ -88,7 +88,7 @@ class BudgetPage(View):
             margin=(8, 4), sizing_mode=None,
         )  # fmt: skip
         self._ways: Mapping[str, Way | LeverSet] = {}
-        self._ways_of: tuple[Design, str] | None = None
+        self._ways_of: tuple[Design, str, tuple[str, ...]] | None = None
         self._table = SortableTable(self._take, over=True, margin=(4, 14))
         self._panel = pn.Column(self._table, visible=False, styles=FRAME | _OVER)
         self._strip = AnswerStrip(self._answer, self._mode, self._close, self._panel)
@@ -229,9 +229,10 @@ class BudgetPage(View):
             self._find_ways()
 
     @property
-    def _asked(self) -> tuple[Design, str]:
-        """The design, and what of it may change."""
-        return self.session.design, self.session.settings.get("close", "")
+    def _asked(self) -> tuple[Design, str, tuple[str, ...]]:
+        """The design, what of it may change, and the names of the user's own sensors."""
+        names = tuple(name for offered in self.session.offers.values() for name in offered)
+        return self.session.design, self.session.settings.get("close", ""), names
 
     def _find_ways(self) -> None:
         if self._ways_of != self._asked:
@@ -239,7 +240,7 @@ class BudgetPage(View):
 
     async def _solve(self) -> None:
         """In a worker: sliders move on meanwhile, and what was asked for an earlier design is dropped."""
-        asked, budget = self._asked, self.session.budget
+        asked, budget, offers = self._asked, self.session.budget, self.session.offers
         ways: Mapping[str, Way | LeverSet] = {}
         if not budget.straight_leg().checks:
             block: Block = Text("Give a limit under Requirements. What meets it then appears here.")
@@ -247,7 +248,7 @@ class BudgetPage(View):
             largest = await run_in_pool(largest_values, budget.design)
             block, ways = _largest(budget, largest), {way.text: way for way in largest}
         else:
-            answer = await run_in_pool(partial(closing_sets, budget.design, **closing_options(asked[1])))
+            answer = await run_in_pool(partial(closing_sets, budget.design, **closing_options(asked[1], offers)))
             block, ways = closing_block(budget, answer), {set_name(each): each for each in answer.sets}
         if asked == self._asked:
             self._ways, self._ways_of = ways, asked

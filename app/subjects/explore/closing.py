@@ -76,8 +76,10 @@ class ClosingPanel(Question):
         self._groups.param.watch(self._choose, "value")
 
     def __panel__(self) -> pn.Column:
+        label = html_pane('<span class="quiet">May change</span>', margin=(14, 0, 0, 12))
+        label.param.update(sizing_mode=None, width=90)  # on the line of the groups
         tools = pn.FlexBox(
-            html_pane('<span class="quiet">May change</span>', margin=(14, 0, 0, 12)),
+            label,
             self._groups,
             pmui.Select.from_param(self.param.reserve, width=150, margin=(8, 10), size="small"),
             align_items="center",
@@ -113,7 +115,8 @@ class ClosingPanel(Question):
             self._fill({}, NO_LIMIT)
             return
         self.answer = _COMPUTING
-        question = budget.design, closing_options(self._settings.text)
+        self._ways = {}  # buttons of an earlier design do nothing
+        question = budget.design, closing_options(self._settings.text, self.session.offers)
         pn.state.execute(lambda: self.run.start(lambda _: run_in_pool(changes_that_close, *question)))
 
     @param.depends("run.running", watch=True)

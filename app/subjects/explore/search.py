@@ -72,7 +72,6 @@ class SearchPanel(Question):
 
     def __init__(self, session: Session) -> None:
         super().__init__(session=session, run=session.new_run())
-        self._added: Offers = {kind: {} for kind in KINDS}
         self._opened_file = ("", "")
         self._keep = pmui.Button(label="Save to library", variant="text", disabled=True, on_click=self._keep_file)
         self._of_library = pmui.Select(
@@ -124,7 +123,7 @@ class SearchPanel(Question):
         return first_screen(tools, left=[content], height="100%")
 
     def _entries(self, kind: Kind) -> Mapping[str, Entry]:
-        return {**catalogue(kind), **self._added[kind]}
+        return {**catalogue(kind), **self.session.offers[kind]}
 
     def show(self, budget: Budget) -> None:
         """Judge every unit or pair again; many of them in a worker."""
@@ -189,11 +188,7 @@ class SearchPanel(Question):
         row = next((row for row in self._ranking.rows if row.pair == pair), None)
         if row is None:
             return
-        changes = dict(row.changes)
-        for kind, name in zip(KINDS, (row.imu, row.gnss), strict=True):
-            if name in self._added[kind]:  # a unit of the user's own is no preset of the product
-                changes[f"{kind}.preset"] = None
-        problem = self.session.change(changes, row.written)
+        problem = self.session.change(row.changes, row.written)
         what = row.imu if self.own else row.pair
         text = f"{what} was not applied. {problem}" if problem else f"The design now has {what}. You can undo."
         self._say(text, wrong=problem is not None)
@@ -211,11 +206,11 @@ class SearchPanel(Question):
 
     def _add(self, offers: Offers, *notes: str) -> None:
         """Rank these units, too, and say so; one of the same name takes the place of the one before."""
-        brought = {kind: {**self._added[kind], **offers[kind]} for kind in KINDS}
+        brought = {kind: {**self.session.offers[kind], **offers[kind]} for kind in KINDS}
         check_pairs(*(len(catalogue(kind)) + len(brought[kind]) for kind in KINDS))
         one_currency(entry for entries in brought.values() for entry in entries.values())
-        replaced = [name for kind in KINDS for name in offers[kind] if name in self._added[kind]]
-        self._added = brought
+        replaced = [name for kind in KINDS for name in offers[kind] if name in self.session.offers[kind]]
+        self.session.offers = brought
         self.show(self.session.budget)
         names = [name for entries in offers.values() for name in entries]
         again = f"Replaced: {_listed(replaced)}." if replaced else ""

@@ -218,6 +218,16 @@ def test_prices_decide_among_units_that_close() -> None:
     assert analyse(taken).straight_leg().closes
 
 
+def test_more_units_than_can_be_combined_are_refused() -> None:
+    entry = '[[imu]]\nname = "{}"\n' + "".join(
+        f'{walk} = {{{{ value = "{value}", status = "assumed", source = "s" }}}}\n'
+        for walk, value in (("angle_random_walk", "0.1 °/√h"), ("velocity_random_walk", "0.05 m/s/√h"))
+    )
+    units = read_catalogue("".join(entry.format(f"unit {n}") for n in range(301)), "imu")
+    with pytest.raises(InputError, match="at most 300"):
+        closing_sets(example("mems_x_band"), imus=units)
+
+
 @pytest.mark.parametrize(
     ("key", "value"),
     [("allow", ["rocket"]), ("lock", ["rocket"]), ("at_most", 4), ("reserve", 1.0)],

@@ -154,6 +154,15 @@ def test_a_set_of_levers_is_taken_whole_and_undone_whole(explore: ExplorePage) -
     assert explore.session.design == first_design()
 
 
+def test_offers_are_levers_too_and_no_presets(explore: ExplorePage) -> None:
+    _open(explore, OWN.encode())
+    close = _ask(explore, "What would close it")
+    assert "IMU Our &lt;b&gt;unit&lt;/b&gt;" in close._sets.html
+    close._sets._handle_msg("IMU Our <b>unit</b>")
+    assert explore.session.design["imu.preset"] is None
+    assert explore.session.budget.verdict.closes
+
+
 def test_imus_with_the_designs_receiver_come_first_and_all_pairs_on_demand(explore: ExplorePage) -> None:
     search = _search(explore)
     assert {row.gnss for row in search._ranking.rows} == {OWN_GNSS}
