@@ -16,7 +16,7 @@ from nav_model.design import Design, Value
 from nav_model.design.catalogue import Entry
 from nav_model.design.figures import figure_in_sentence
 from nav_model.design.parts import all_keys
-from nav_model.explore.levers import ASKED_FOR, GROUPS, Group, Lever, levers, one_currency
+from nav_model.explore.levers import ASKED_FOR, GROUPS, OFFERED, Group, Lever, levers, one_currency
 from nav_model.explore.margins import limits, ratios_of_trials, value_of
 from nav_model.explore.rank import SENSORS
 
@@ -233,7 +233,7 @@ def _judged(design: Design, sets: Sequence[tuple[Lever, ...]]) -> list[LeverSet]
 
 
 def _useful(design: Design, on: Iterable[Lever], today: LeverSet, alone: Iterable[LeverSet]) -> list[Lever]:
-    """Levers that alone do not make the worst ratio larger; units in the order of price, else of margin.
+    """Levers that alone do not make the worst ratio larger; offers before the catalogue, by price, else by margin.
 
     Where a lever needs what the design has not, its effect is that in the design with it.
     """
@@ -246,7 +246,11 @@ def _useful(design: Design, on: Iterable[Lever], today: LeverSet, alone: Iterabl
     good = [lever for lever in on if worst_alone[lever.name][0] <= (1 + _GAIN) * worst_alone[lever.name][1]]
     units = sorted(
         (lever for lever in good if lever.group == "imu"),
-        key=lambda lever: (lever.offer.get("price", math.inf), -worst_alone[lever.name][0]),
+        key=lambda lever: (
+            lever.origin != OFFERED,
+            lever.offer.get("price", math.inf),
+            -worst_alone[lever.name][0],
+        ),
     )
     others = [lever for lever in good if lever.group != "imu"]
     return others + [replace(lever, step=step) for step, lever in enumerate(units)]

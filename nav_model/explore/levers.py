@@ -11,7 +11,8 @@ from typing import Literal, get_args
 
 from nav_model.base.errors import InputError
 from nav_model.design import Design, Value
-from nav_model.design.catalogue import OFFERED, Entry, SourcedValue, catalogue
+from nav_model.design.catalogue import OFFERED as OFFER_VALUES
+from nav_model.design.catalogue import Entry, SourcedValue, catalogue
 from nav_model.design.parts import PRESET_KEYS
 from nav_model.design.presets import filled, sheet_filled, values_of
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -22,6 +23,8 @@ GROUPS: tuple[Group, ...] = get_args(Group)
 """Groups in the order of their effort."""
 ASKED_FOR: tuple[Group, ...] = ("flight", "radar")
 """Groups that count only where they are allowed: they change the mission or the image."""
+OFFERED = "offer"
+"""Origin of a lever that a person has brought, which the product's catalogue has not."""
 Biases = Literal["design", "zero", "in-run", "sheet"]
 """Residual biases that every unit is judged with: the design's, zero, or the in-run biases of its own sheet; or, with
 the design's, all errors that its sheet prints."""
@@ -209,9 +212,9 @@ def _bought(
         changes,
         written,
         needs or {},
-        "catalogue" if shipped else "offer",
+        "catalogue" if shipped else OFFERED,
         doubts,
-        {name: entry.offer[name].value for name in OFFERED if name in entry.offer},
+        {name: entry.offer[name].value for name in OFFER_VALUES if name in entry.offer},
         entry.offer["price"].unit if "price" in entry.offer else "",
     )
 
