@@ -32,7 +32,7 @@ from nav_model.design import Design, Value
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.figures import OF_BUDGET, REQUIRED, of_kind
 from nav_model.design.file import parse_design, read_bytes
-from nav_model.design.parts import PRESET_KEYS, declaration_of, quantity
+from nav_model.design.parts import PRESET_KEYS, RENAMED, declaration_of, quantity
 from nav_model.design.presets import preset_fill
 from nav_model.design.table import Table
 from nav_model.explore.sweep_flight import SweepFlight, check_flight, read_flight
@@ -180,13 +180,13 @@ def _part_size(tables: Mapping[str, Any], usual: int) -> int:
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
-    """Dotted keys, whether the file quotes them or nests them."""
+    """Dotted keys, whether the file quotes them or nests them; those of before as they are named now."""
     pairs: list[tuple[str, Any]] = []
     for key, content in table.items():
         if isinstance(content, dict) and "from" not in content:
             pairs += _flat(content, f"{prefix}{key}.")
         else:
-            pairs.append((f"{prefix}{key}", content))
+            pairs.append((RENAMED.get(f"{prefix}{key}", f"{prefix}{key}"), content))
     return pairs
 
 

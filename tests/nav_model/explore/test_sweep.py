@@ -264,6 +264,11 @@ def test_a_limit_of_the_users_own_is_a_result(name, column):
         parse_plan((LIMITED % "yaw").encode())
 
 
+def test_an_input_is_varied_under_its_name_of_before():
+    plan = parse_plan(b'design = {name = "x"}\n[vary]\nmotion.imu_bandwidth = ["50 Hz", "100 Hz"]\n')
+    assert [(axis.key, axis.values) for axis in plan.axes] == [("imu.bandwidth", (50.0, 100.0))]
+
+
 def test_side_by_side_and_inline_designs():
     plan = parse_plan(
         b"""
