@@ -296,9 +296,9 @@ def _smallest(closing: Iterable[LeverSet]) -> list[LeverSet]:
         for other in below:
             if len(other.levers) == len(each.levers):
                 greater.setdefault(id(other), []).append(each)
-    found = [each for alike in smallest.values() for each in alike]
+    minimal = [each for members in smallest.values() for each in members]
     return sorted(
-        (replace(each, greater=tuple(sorted(greater.get(id(each), ()), key=_order))) for each in found), key=_order
+        (replace(each, greater=tuple(sorted(greater.get(id(each), ()), key=_order))) for each in minimal), key=_order
     )
 
 
