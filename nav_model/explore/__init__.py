@@ -2,7 +2,7 @@
 
 - `levers`: the changes of a design that engineers have, declared once.
 - `closing`: the smallest sets of levers with which a design closes.
-- `manoeuvre`: turns, aids and units that would close the lines of a flight.
+- `plan_changes`, `manoeuvre`: turns, aids and units, and which of them would close the lines of a flight.
 - `margins`: how far designs are from their requirements, over arrays.
 - `solve`: the largest noise, interval or time that still meets each requirement.
 - `rank`: exact sensitivities of a figure to every input.
