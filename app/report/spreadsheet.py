@@ -352,6 +352,11 @@ class _Sheets:
             number, limit_of = next((n, item) for n, item in enumerate(self.design.limits, 1) if item.name == name)
             unit, limit, given = _Unit.of(limit_of.unit, limit_of.dimension), limit_key(number), limit_of.value
             on, symbol, follows = limit_of.on, limit, limit_of.confidence is None
+        if check is not None and check.limit != given:  # the autofocus's own limit is a constant
+            follows = given is None and check.on == "path_before_autofocus"
+            limit, given = repr(check.limit), check.limit
+            if follows and self.design.radar.range_resolution is None:
+                limit = f"{symbol_of('radar.azimuth_resolution')}/2"
         cells = [f"real_time_{symbol}", f"real_time_{on}"]  # a figure that has a cell already needs no other
         if processing == POST_PROCESSED:
             cells = [f"post_processed_{symbol}", *cells]

@@ -123,6 +123,7 @@ class Traces:
         else:
             instead["gnss.vertical_velocity_noise"] = "gnss.velocity_noise"
             instead["gnss.velocity_interval"] = "gnss.interval"
+        without = (*without, *(key for key in VARIABLES if key.startswith("autofocus") and design[key] is None))
         cells: dict[str, Any] = {key: self._cell(key) for key in VARIABLES if not key.startswith(without)}
         cells |= {key: self._or(key, cells[other]) for key, other in instead.items()}
         defaults = (*_WITHOUT_FORMULA[:2], *VARYING_KEYS)

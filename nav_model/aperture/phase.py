@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from nav_model.aperture.autofocus import Left
 from nav_model.aperture.geometry import line_of_sight_weights
 from nav_model.base.arrays import Array, as_numbers
 
@@ -61,7 +62,7 @@ def phase_budget(
     aperture: ArrayLike,
     coast: ArrayLike,
     grazing_angle: ArrayLike,
-    autofocus_order: int = 1,
+    autofocus_order: int | Left = 1,
 ) -> Mapping[str, PhaseVariances]:
     """Variances of quadratic, cubic and detrended line-of-sight error by source. [T-15], [S-5], [S-6]
 
@@ -75,8 +76,9 @@ def phase_budget(
         Residual biases at the last fix, 1σ, m/s² and rad/s.
     g, aperture, coast, grazing_angle : array_like
         m/s², s, s, rad.
-    autofocus_order : {1, 2, 3}
-        Highest polynomial order removed before the detrended residual: 1 is the line only.
+    autofocus_order : {1, 2, 3} or Left
+        Highest polynomial order removed before the detrended residual, 1 for the line only; or what an autofocus
+        leaves of all three.
 
     Returns
     -------
@@ -88,8 +90,7 @@ def phase_budget(
     ValueError
         For an order that has no closed form here.
     """
-    if autofocus_order not in _ACCELERATION:
-        raise ValueError(f"autofocus_order: {autofocus_order!r} is not one of 1, 2, 3")
+    left = autofocus_order if isinstance(autofocus_order, Left) else _after(autofocus_order)
     p33, sigma_a, sigma_w, b, d, g, t, tc = (
         as_numbers(x) for x in (p33, sigma_a, sigma_w, accelerometer_bias, gyro_bias, g, aperture, coast)
     )
@@ -98,35 +99,38 @@ def phase_budget(
     s_a, s_g = sigma_a**2, horizontal * (g * sigma_w) ** 2
     # A gyro bias is a jerk: its acceleration in mid-aperture has grown since the last fix.
     jerk, middle = horizontal * (g * d) ** 2, (tc + t / 2) ** 2
-    constant = partial(_of_acceleration, t=t, order=autofocus_order)
+    constant = partial(_times, left.quadratic / 64, t**4)
     by_bias = constant(jerk * middle)
     return {
         INITIAL_TILT: constant(horizontal * g**2 * p33),
-        "accelerometer noise": PhaseVariances(
-            (10 / 7) * s_a * t**3 / 64,
-            (25 / 4) * (7 / 3960) * s_a * t**3,
-            _WHITE_ACCELERATION[autofocus_order] * s_a * t**3,
-        ),
-        "gyro noise": PhaseVariances(
-            (181 / 462) * s_g * t**5 / 64,
-            (25 / 4) * (7 / 61776) * s_g * t**5,
-            _WHITE_JERK[autofocus_order] * s_g * t**5,
-        ),
+        "accelerometer noise": _times(left.white, t**3, s_a),
+        "gyro noise": _times(left.walk, t**5, s_g),
         # Each axis has its own bias, so the weights add up to one.
         "accelerometer bias": constant((horizontal + vertical) * b**2),
         "gyro bias": PhaseVariances(
-            by_bias.quadratic,
-            jerk * t**6 / 2304,
-            by_bias.detrended + _JERK[autofocus_order] * jerk * t**6,
+            *(one + other for one, other in zip(by_bias, _times(left.cubic / 2304, t**6, jerk), strict=True))
         ),
         "coast before aperture": constant(s_g * tc),
     }
 
 
-def _of_acceleration(variance: Array, t: Array, order: int) -> PhaseVariances:
-    """An acceleration of this variance [m²/s⁴] that is constant over the aperture t [s]."""
-    quadratic = variance * t**4
-    return PhaseVariances(quadratic / 64, np.zeros_like(quadratic), _ACCELERATION[order] * quadratic)
+def _times(shares: Array, power: Array, variance: Array) -> PhaseVariances:
+    """Shares of an acceleration error of this variance or density, times a power of the aperture, in each measure."""
+    return PhaseVariances(*(share * variance * power for share in shares.tolist()))
+
+
+def _after(order: int) -> Left:
+    """Measures before autofocus, and what remains of the mean square after a polynomial is removed. [S-5], [S-6]"""
+    if order not in _WHITE_ACCELERATION:
+        raise ValueError(f"autofocus_order: {order!r} is not one of 1, 2, 3")
+    return Left(
+        np.array([1.0, 0.0, 64 * _ACCELERATION[order]]),
+        np.array([0.0, 1.0, 2304 * _JERK[order]]),
+        np.array([0.0, 0.0, 1.0]),
+        np.array([(10 / 7) / 64, (25 / 4) * (7 / 3960), _WHITE_ACCELERATION[order]]),
+        np.array([(181 / 462) / 64, (25 / 4) * (7 / 61776), _WHITE_JERK[order]]),
+        order,
+    )
 
 
 def total(budget: Mapping[str, PhaseVariances]) -> PhaseVariances:

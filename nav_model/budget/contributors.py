@@ -115,10 +115,12 @@ class Composed:
         if not self.parts:
             return self.of_model
         random, whole, model = self.random, self.sigma, self.model
-        mixed = {source: share * (model * model / (random * whole)) for source, share in self.of_model.items()}
+        nothing = isinstance(random, float) and random == 0.0  # random; then the model has no part in it
+        square = 1.0 if nothing else random * whole
+        mixed = {source: share * (model * model / square) for source, share in self.of_model.items()}
         for part in self.parts:
             size = part.size
-            mixed[part.name] = size / whole if part.systematic else size * size / (random * whole)
+            mixed[part.name] = size / whole if part.systematic else size * size / square
         return FrozenMapping(mixed)
 
     @cached_property

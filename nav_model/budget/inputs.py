@@ -1,7 +1,7 @@
 """The inputs of the closed forms of a budget: SI numbers, or arrays that broadcast together."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,13 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from nav_model.analytic import steady_state as steady
 from nav_model.analytic.discrete import SlowError
-from nav_model.aperture import geometry
+from nav_model.aperture import autofocus, geometry
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.base.constants import EARTH_RATE, MEAN_RADIUS, SPEED_OF_LIGHT
 from nav_model.base.errors import InputError
 from nav_model.budget.contributors import Contributors, contributors_of
 from nav_model.budget.fast import fast_sources, rectified
 from nav_model.design import Design
+from nav_model.design.autofocus import PHASE_GRADIENT
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.parts import INPUTS, Radar
 from nav_model.design.user_entries import Limit
@@ -75,7 +76,9 @@ class Inputs:
     `interval`; velocity, velocity_vertical: velocity noise [m/s] every `velocity_interval`; slow: GNSS error with a
     correlation time. duration: of the outage; before_aperture: from the last fix to the aperture; leg_after: with
     fixes after it [s]. fast: source -> vibration, unsensed motion, oscillator along the line of sight; rectified:
-    accelerometer bias that vibration makes [m/s²]. aperture: its time [s].
+    accelerometer bias that vibration makes [m/s²]. aperture: its time [s]. left: residual of an autofocus, None
+    without one; estimation: 1σ of one of its estimates [rad]; estimated: multiplies its variance for each measure of
+    the phase; half_cell: half the range resolution [m].
     """
 
     sigma_a: Array
@@ -123,6 +126,10 @@ class Inputs:
     time_w: Array | None = None
     walk_a: Array | None = None
     walk_w: Array | None = None
+    left: autofocus.Left | None = None
+    estimation: Array | None = None
+    estimated: Array | None = None
+    half_cell: Array | None = None
 
     @property
     def bias(self) -> Array:
@@ -240,6 +247,7 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
         if given("radar.aperture_time")
         else geometry.aperture_time(wavelength, slant_range, speed, resolution, radar.window, squint)
     )
+    left, noise = _of_autofocus(design, value, given)
     return Inputs(
         sigma_a=value("imu.velocity_random_walk") * factor,
         sigma_w=value("imu.angle_random_walk") * factor,
@@ -261,7 +269,7 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
         grazing_angle=value("radar.grazing_angle"),
         squint=squint,
         aperture=aperture,
-        autofocus_order=radar.autofocus_order,
+        autofocus_order=1 if design.autofocus.works else radar.autofocus_order,
         steady_state=design.requirements.steady_state,
         velocity=velocity,
         velocity_vertical=value("gnss.vertical_velocity_noise")
@@ -278,6 +286,30 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
         rectified=rectified(design, value),
         contributors=contributors_of(design, wavelength) if design.contributors else Contributors(),
         limits=design.limits,
+        half_cell=(value("radar.range_resolution") if given("radar.range_resolution") else resolution) / 2,
+        left=left,
+        estimation=None if noise is None else noise.sigma,
+        estimated=None if noise is None else noise.weights,
         **{field: value(key) for field, key in _CONSTANT.items()},
         **({field: value(key) for field, key in _VARYING.items()} if varies else {}),
     )
+
+
+def _of_autofocus(
+    design: Design, value: Callable[[str], Array], given: Callable[[str], bool]
+) -> tuple[autofocus.Left | None, autofocus.Noise | None]:
+    """Residual of the design's autofocus and the error that it adds, none without one."""
+    used = design.autofocus
+    if not used.works:
+        return None, None
+    points, amplitude = (
+        value(key) if given(key) else as_numbers(usual)
+        for key, usual in zip(("autofocus.range_bins", "autofocus.signal_to_clutter"), used.points, strict=True)
+    )
+    if used.method == PHASE_GRADIENT:
+        left = autofocus.after_phase_gradient(used.blocks)
+        noise = autofocus.noise_of_phase_gradient(used.blocks, points, amplitude**2)
+    else:
+        left = autofocus.after_map_drift(used.order)
+        noise = autofocus.noise_of_map_drift(used.order, points, amplitude**2)
+    return left, noise

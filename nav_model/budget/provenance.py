@@ -294,8 +294,24 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
         "factor to 1.",
     ),
     (
-        lambda design: design.radar.autofocus_order > 1,
-        "Quadratic phase is quoted and checked before autofocus; detrended phase is what autofocus leaves.",
+        lambda design: design.radar.autofocus_order > 1 and not design.autofocus.works,
+        "Quadratic phase is quoted and checked before autofocus; detrended phase is what autofocus leaves. The "
+        "polynomial is removed without noise, in any scene, however large it is. Choose a method under Autofocus for "
+        "its limits (autofocus.method) [S-9], [S-10].",
+    ),
+    (
+        lambda design: design.autofocus.works,
+        "Quadratic, cubic and detrended phase are those after autofocus [S-9], with its error of estimation [S-10]. "
+        "Place and CE90 stay as they are, as it never removes the line. Errors that differ over the swath stay, and "
+        "are in no figure. Simulated runs of the Image page have no such autofocus.",
+    ),
+    (
+        lambda design: design.autofocus.works and design.radar.autofocus_order > 1,
+        "Autofocus removes under Radar (radar.autofocus_order) has no effect: the section Autofocus takes its place.",
+    ),
+    (
+        lambda design: design.autofocus.method != "none" and not design.autofocus.works,
+        "Over the sea there are no points that stay, so the autofocus removes nothing.",
     ),
 )
 

@@ -5,7 +5,7 @@ without contributors. Any input may be an array; all broadcast together, and com
 complex step differentiates every figure but those of the impulse response exactly.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
@@ -22,6 +22,7 @@ from nav_model.analytic.rise import gravity_gradient, vertical_velocity
 from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.analytic.turning import LEFT_OF_ORDER, Bend, Turn, free_bend, turn_of
 from nav_model.aperture import phase
+from nav_model.aperture.autofocus import KINDS, Left
 from nav_model.aperture.geometry import line_of_sight_weights
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.budget.contributors import Composed
@@ -31,6 +32,7 @@ from nav_model.budget.response import measures
 from nav_model.budget.varying import VARYING, Columns, VaryingBiases
 from nav_model.design.figures import FIGURES
 from nav_model.design.processing import REAL_TIME
+from nav_model.processing.fast_motion import Fast
 from nav_model.processing.geolocation import (
     NINETY,
     AxisError,
@@ -259,44 +261,46 @@ class RealTime:
         """As of the inputs; the workbook puts a cell in its place. [T-13]"""
         return self.x.to_phase
 
-    def phase_by_source(self, order: int) -> Mapping[str, phase.PhaseVariances]:
-        """Line-of-sight variances over the aperture, source by source, after autofocus of an order. [S-5]"""
+    def phase_by_source(self, after: int | Left) -> Mapping[str, phase.PhaseVariances]:
+        """Line-of-sight variances over the aperture, source by source, after a polynomial of an order or what an
+        autofocus leaves. [S-5], [S-9]"""
         x, start = self.x, self.at_last_fix.horizontal
-        arguments = x.g, x.aperture, x.before_aperture, x.grazing_angle, order
+        arguments = x.g, x.aperture, x.before_aperture, x.grazing_angle, after
         by_source = phase.phase_budget(start.p33, x.sigma_a, x.sigma_w, x.bias_a, x.bias_w, *arguments)
-        fast = {
-            name: phase.PhaseVariances(effect.quadratic, effect.cubic, getattr(effect, f"left_{order}"))
-            for name, effect in x.fast.items()
-        }
+        fast = {name: of_fast(effect, after) for name, effect in x.fast.items()}
         if x.rectified is not None:
             of_bias = phase.phase_budget(0.0, 0.0, 0.0, x.rectified, 0.0, *arguments)
             fast[RECTIFICATION] = of_bias["accelerometer bias"]
         if self.varying is not None:
-            fast[VARYING] = phase.PhaseVariances(
-                *(
-                    line_of_sight(self.varying.over_aperture[name], x.grazing_angle)
-                    for name in ("quadratic", "cubic", f"left_{order}")
-                )
-            )
+            columns = self.varying.over_aperture
+            fast[VARYING] = left_of(lambda name: line_of_sight(columns[name], x.grazing_angle), after)
         return {**by_source, **fast} if fast else by_source
 
     @cached_property
     def phases(self) -> Mapping[str, phase.PhaseVariances]:
         """Variances of phase after the design's autofocus."""
-        return self.phase_by_source(self.x.autofocus_order)
+        return self.phase_by_source(self.x.autofocus_order if self.x.left is None else self.x.left)
 
     @cached_property
-    def _phase(self) -> phase.PhaseVariances:
-        return phase.total(self.phases)
+    def phases_before(self) -> Mapping[str, phase.PhaseVariances]:
+        """Variances of phase before an autofocus with limits of its own; without one, as `phases`."""
+        return self.phases if self.x.left is None else self.phase_by_source(self.x.autofocus_order)
+
+    @cached_property
+    def _before(self) -> phase.PhaseVariances:
+        return phase.total(self.phases_before)
 
     def sight_variance(self, column: str) -> Array:
-        """Variance [m²] along the line of sight of mid-aperture: of "quadratic", "cubic", or of what autofocus
-        leaves, "left_1" to "left_3"."""
-        if column in self._phase._fields:
-            return getattr(self._phase, column)  # type: ignore[no-any-return]
-        order = int(column.removeprefix("left_"))
-        whole = self._phase if order == self.x.autofocus_order else phase.total(self.phase_by_source(order))
-        return whole.detrended
+        """Variance [m²] along the line of sight of mid-aperture: of "quadratic", "cubic", or of what polynomials
+        leave, "left_1" to "left_3"."""
+        order = int(column.removeprefix("left_")) if column.startswith("left_") else self.x.autofocus_order
+        whole = self._before if order == self.x.autofocus_order else phase.total(self.phase_by_source(order))
+        return getattr(whole, column if column in whole._fields else "detrended")  # type: ignore[no-any-return]
+
+    def sight_left(self, kind: str) -> Array:
+        """Variance [m²] along the line of sight of mid-aperture that an autofocus leaves of the "quadratic", the
+        "cubic" or the mean square, "detrended"."""
+        return getattr(phase.total(self.phases), kind)  # type: ignore[no-any-return]
 
     @cached_property
     def turn(self) -> Turn:
@@ -335,16 +339,44 @@ class RealTime:
         return variance
 
     @property
+    def phase_before_autofocus(self) -> Array:
+        return self.to_phase * self.path_before_autofocus
+
+    @property
+    def path_before_autofocus(self) -> Array:
+        return np.sqrt(self.sight_variance("quadratic") + self.turn.bent(*self.quadratic_bend))
+
+    @property
+    def autofocus_estimation(self) -> Array:
+        return np.asarray(0.0) if self.x.estimation is None else self.x.estimation
+
+    def _focused(self, kind: str) -> Array | None:
+        """Phase [rad] of the image after the design's autofocus: "quadratic", "cubic" or "detrended"; None without
+        one. [S-9], [S-10]"""
+        x, k = self.x, KINDS.index(kind)
+        if x.left is None or x.estimation is None or x.estimated is None:
+            return None
+        turned = float(x.left.quadratic[k]) * self.turn.bent(*self.quadratic_bend)
+        turned = turned + float(x.left.cubic[k]) * self.turn.bent(*self.cubic_bend)
+        variance = self.to_phase**2 * (self.sight_left(kind) + turned)
+        focused: Array = np.sqrt(variance + float(x.estimated[k]) * x.estimation**2)
+        return focused
+
+    @property
     def quadratic_phase(self) -> Array:
-        return self.to_phase * np.sqrt(self.sight_variance("quadratic") + self.turn.bent(*self.quadratic_bend))
+        focused = self._focused("quadratic")
+        return self.phase_before_autofocus if focused is None else focused
 
     @property
     def cubic_phase(self) -> Array:
+        if (focused := self._focused("cubic")) is not None:
+            return focused
         return self.to_phase * np.sqrt(self.sight_variance("cubic") + self.turn.bent(*self.cubic_bend))
 
     @property
     def detrended_phase(self) -> Array:
-        return self.detrended(self.x.autofocus_order)
+        focused = self._focused("detrended")
+        return self.detrended(self.x.autofocus_order) if focused is None else focused
 
     def detrended(self, order: int) -> Array:
         """Phase [rad] that is left after autofocus of an order: of the orders beyond the next, which the turn hardly
@@ -361,15 +393,20 @@ class RealTime:
 
     @property
     def line_of_sight_quadratic_phase(self) -> Array:
-        return self.to_phase * np.sqrt(self.sight_variance("quadratic"))
+        return self._along_sight("quadratic", "quadratic")
 
     @property
     def line_of_sight_cubic_phase(self) -> Array:
-        return self.to_phase * np.sqrt(self.sight_variance("cubic"))
+        return self._along_sight("cubic", "cubic")
 
     @property
     def line_of_sight_detrended_phase(self) -> Array:
-        return self.sight_detrended(self.x.autofocus_order)
+        return self._along_sight("detrended", f"left_{self.x.autofocus_order}")
+
+    def _along_sight(self, kind: str, column: str) -> Array:
+        """Phase [rad] along the line of sight of mid-aperture: what the design's autofocus leaves, or a column."""
+        variance = self.sight_variance(column) if self.x.left is None else self.sight_left(kind)
+        return self.to_phase * np.sqrt(variance)
 
     def sight_detrended(self, order: int) -> Array:
         """Phase [rad] along the line of sight of mid-aperture that is left after autofocus of an order."""
@@ -377,16 +414,26 @@ class RealTime:
 
     @property
     def along_track_quadratic_phase(self) -> Array:
-        return self.to_phase * np.sqrt(self._along_track("quadratic"))
+        return self.to_phase * np.sqrt(self._track_left("quadratic", "quadratic"))
 
     @property
     def along_track_cubic_phase(self) -> Array:
-        return self.to_phase * np.sqrt(self._along_track("cubic"))
+        return self.to_phase * np.sqrt(self._track_left("cubic", "cubic"))
 
     @property
     def along_track_detrended_phase(self) -> Array:
         kind, factor = LEFT_OF_ORDER.get(self.x.autofocus_order, ("cubic", 0.0))
-        return self.to_phase * np.sqrt(factor * self._along_track(kind))
+        return self.to_phase * np.sqrt(self._track_left("detrended", kind, factor))
+
+    def _track_left(self, measure: str, kind: str, factor: float = 1.0) -> Array:
+        """Variance [m²] of errors along the track alone: what the design's autofocus leaves in a measure, or a part
+        of the "quadratic" or the "cubic"."""
+        left, k = self.x.left, KINDS.index(measure)
+        if left is None:
+            return factor * self._along_track(kind)
+        quadratic, cubic = float(left.quadratic[k]), float(left.cubic[k])
+        variance: Array = quadratic * self._along_track("quadratic") + cubic * self._along_track("cubic")
+        return variance
 
     # The place of the image.
 
@@ -460,6 +507,24 @@ def line_of_sight(column: Array | tuple[Array, Array], grazing_angle: Array) -> 
     horizontal, vertical = line_of_sight_weights(grazing_angle)
     variance: Array = horizontal * column[0] + vertical * column[1]
     return variance
+
+
+def left_of(column: Callable[[str], Array], after: int | Left) -> phase.PhaseVariances:
+    """Variances after a polynomial of an order, or what an autofocus leaves, of columns of an aperture by name."""
+    if not isinstance(after, Left):
+        return phase.PhaseVariances(*(column(name) for name in ("quadratic", "cubic", f"left_{after}")))
+    measures = zip(after.quadratic, after.cubic, after.beyond, strict=True)
+    return phase.PhaseVariances(
+        *(q * column("quadratic") + c * column("cubic") + b * column("left_3") for q, c, b in measures)
+    )
+
+
+def of_fast(effect: Fast, after: int | Left) -> phase.PhaseVariances:
+    """Variances of vibration, unsensed motion or oscillator: faster than a block, they stay but for a polynomial."""
+    if not isinstance(after, Left):
+        return left_of(lambda name: getattr(effect, name), after)
+    cubic = effect.cubic if after.order == 2 else 0 * effect.cubic
+    return phase.PhaseVariances(0 * effect.quadratic, cubic, getattr(effect, f"left_{after.order}"))
 
 
 def summed(one: tuple[Pair, Pair], other: tuple[Pair, Pair]) -> tuple[Pair, Pair]:

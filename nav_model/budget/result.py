@@ -336,7 +336,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
         x, radar, speed = self.x, self.design.radar, self.design.flight.speed
         wavelength, time = float(x.wavelength), float(x.aperture)
         cell = geometry.cell_length(wavelength, radar.slant_range, speed, time, x.squint)
-        return Aperture(wavelength, time, time * speed, float(cell), radar.window, radar.autofocus_order)
+        return Aperture(wavelength, time, time * speed, float(cell), radar.window, x.autofocus_order)
 
     @cached_property
     def spectral(self) -> Spectral:
@@ -367,7 +367,7 @@ class Budget(Mapping[tuple[str, str], Composed]):
         for name, column in zip(PHASES, PhaseVariances._fields, strict=True):
             variances = {source: getattr(parts, column) for source, parts in by_source.items()}
             whole = sum(variances.values())
-            shares = {source: float(variance / whole) for source, variance in variances.items()}
+            shares = {source: float(variance / (whole or 1.0)) for source, variance in variances.items()}
             figure = self[f"line_of_sight_{name}", REAL_TIME]
             figures[name] = figure.around(float(to_phase * np.sqrt(whole)), shares)
         return self._lines(figures)

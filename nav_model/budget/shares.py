@@ -20,6 +20,7 @@ GNSS_NOISE, ACCELEROMETER_NOISE, GYRO_NOISE = "GNSS noise", "accelerometer noise
 ACCELEROMETER_BIAS, GYRO_BIAS, SLOW_GNSS = "accelerometer bias", "gyro bias", "slow GNSS error"
 
 GNSS_VELOCITY = "GNSS velocity noise"
+ESTIMATION = "autofocus estimation"
 
 _STEP = 1e-20
 _LOST = 0.01
@@ -47,6 +48,7 @@ _SIZES = {
     ACCELEROMETER_BIAS: ("bias_a",),
     GYRO_BIAS: ("bias_w",),
     RECTIFICATION: ("rectified",),
+    ESTIMATION: ("estimation",),
     **_VARYING,
     **_CONSTANT,
 }

@@ -11,7 +11,16 @@ import numpy as np
 from nav_model.analytic.turning import Bend
 from nav_model.base.arrays import Array
 from nav_model.budget.inputs import Inputs
-from nav_model.budget.real_time import RealTime, azimuth_lever, bends_of, fast_slope, line_of_sight, lines_of
+from nav_model.budget.real_time import (
+    RealTime,
+    azimuth_lever,
+    bends_of,
+    fast_slope,
+    left_of,
+    line_of_sight,
+    lines_of,
+    of_fast,
+)
 from nav_model.budget.varying import channels
 from nav_model.design.processing import POST_PROCESSED
 from nav_model.processing.geolocation import AxisError
@@ -53,6 +62,14 @@ class Smoothed(RealTime):
         """Variance along the line of sight with vibration, unsensed motion and oscillator."""
         fast = sum(getattr(effect, column) for effect in self.x.fast.values())
         return np.asarray(line_of_sight(self.error[column], self.x.grazing_angle) + fast)
+
+    def sight_left(self, kind: str) -> Array:
+        """As of real time, with vibration, unsensed motion and oscillator."""
+        x = self.x
+        left = x.autofocus_order if x.left is None else x.left
+        of_error = left_of(lambda name: line_of_sight(self.error[name], x.grazing_angle), left)
+        fast = sum(getattr(of_fast(effect, left), kind) for effect in x.fast.values())
+        return np.asarray(getattr(of_error, kind) + fast)
 
     def _bend(self, kind: str) -> tuple[Bend, Bend]:
         return bends_of(self.error, kind)

@@ -1,7 +1,7 @@
 """The verdict: each requirement against its figure, with margin and dominant source."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -39,6 +39,9 @@ STRAIGHT_LEG = "straight leg"
 """Where a budget judges."""
 WHOLE_FLIGHT = "flight"
 """Where a flight without lines judges."""
+_SIGMAS_CAPTURED = 3.0
+_MOST_ESTIMATION = 0.3
+"""rad: beyond, an autofocus fails. A ratio in a block below 2/√(range bins × blocks) is beyond too. [S-10]"""
 _NO_SHARES: Shares = FrozenMapping({})
 
 
@@ -165,10 +168,15 @@ def all_required(design: Design) -> dict[str, Required]:
     """Requirements of a design: the `required` ones, and those that only a flight can judge."""
     usual: float = design.requirements.confidence
     requirements = {}
+    of_autofocus = limits_of_autofocus(design)
     for name in [name for name, figure in FIGURES.items() if figure.requirement]:
+        limits = of_autofocus.get(name, ())
         if (limit := getattr(design.requirements, name)) is not None:
-            unit, factor = design.unit(f"requirements.{name}"), _factor(name, usual)
-            requirements[name] = Required(name, None, limit, limit_on(name).dimension, unit, factor)
+            limits = (*limits, (limit, _factor(name, usual)))
+        unit, dimension = design.unit(f"requirements.{name}"), limit_on(name).dimension
+        given = [Required(name, None, limit, dimension, unit, factor) for limit, factor in limits]
+        if given:
+            requirements[name] = min(given, key=lambda each: each.at_one_sigma)
     figures = {contributor.name: contributor.enters for contributor in design.contributors}
     for limit in design.limits:
         if limit.name in requirements:
@@ -177,6 +185,20 @@ def all_required(design: Design) -> dict[str, Required]:
         unit = limit.unit or DIMENSIONS[limit.dimension].default_unit
         requirements[limit.name] = Required(limit.on, limit.at, limit.value, limit.dimension, unit, factor)
     return requirements
+
+
+def limits_of_autofocus(design: Design) -> Mapping[str, tuple[tuple[float, float | None], ...]]:
+    """Limits that an autofocus has itself: figure -> limit in SI, with its confidence. [S-9], [S-10]"""
+    if not design.autofocus.works:
+        return {}
+    radar = design.radar
+    cell = radar.azimuth_resolution if radar.range_resolution is None else radar.range_resolution
+    stays = design.autofocus.migration == "stays"
+    return {
+        "phase_before_autofocus": ((design.autofocus.captured, _SIGMAS_CAPTURED),),
+        "path_before_autofocus": ((cell / 2, design.requirements.confidence),) if stays else (),
+        "autofocus_estimation": ((_MOST_ESTIMATION, None),),
+    }
 
 
 def flown_names(design: Design) -> tuple[str, ...]:

@@ -24,6 +24,7 @@ from nav_model.design.parts import (
     PRESET_KEYS,
     TOP_KEYS,
     Accelerometer,
+    Autofocus,
     Coast,
     Filter,
     Flight,
@@ -68,8 +69,8 @@ class Design:
 
     Attributes
     ----------
-    imu, gyro, accelerometer, gnss, filter, flight, coast, radar, motion, oscillator, processing, trajectory, \
-    requirements
+    imu, gyro, accelerometer, gnss, filter, flight, coast, radar, autofocus, motion, oscillator, processing, \
+    trajectory, requirements
         The parts; every quantity in SI.
     written : mapping
         Dotted key -> unit the value was written in, for showing and saving it the way it came.
@@ -92,6 +93,7 @@ class Design:
     flight: Flight
     coast: Coast
     radar: Radar
+    autofocus: Autofocus
     motion: Motion
     oscillator: Oscillator
     processing: Processing

@@ -132,6 +132,25 @@ _DECLARED = (
         "22.5° to 45°; beyond, one side lobe rises", "0.1.0", in_flight=True,
     ),
     _limited(
+        "phase_before_autofocus", "Phase before autofocus", "angle", "phase", "[S-8] / [P-5]", "pba",
+        "Limit on quadratic phase error at the aperture's ends before autofocus. With an autofocus, three sigma must "
+        "be below its capture too [S-9].",
+        "720° to 2880°, the capture of a phase gradient of 16 to 64 blocks", "0.2.0", in_flight=True,
+    ),
+    _limited(
+        "path_before_autofocus", "Path before autofocus", "length", "phase", "[S-8] / [P-5]", "ppa",
+        "Limit on the path error at the aperture's ends before autofocus, the line removed. With an autofocus that "
+        "leaves range migration, half a range cell is one too: a phase correction alone does not focus what "
+        "migrates [S-9].",
+        "half a range cell", "0.2.0", in_flight=True,
+    ),
+    _limited(
+        "autofocus_estimation", "Autofocus estimation", "angle", "phase", "[S-10]", "afe",
+        "Limit on the phase error of one estimate of the autofocus, from the points and the clutter of the scene. "
+        "With an autofocus, 0.3 rad is one too: beyond, it fails [S-10]. The confidence does not multiply it.",
+        "1° in a town, 10° on five reflectors; above 17.2° it fails", "0.2.0", scaled=False,
+    ),
+    _limited(
         "azimuth_shift", "Azimuth shift", "length", "place", "[P-7] / [P-7]", "azs",
         "Image shift along track: the position error there and R/V times the line-of-sight velocity error.",
         f"{_REACHED}navigation 0.3 to 0.7, tactical 1 to 4, MEMS 2 to 6 m; a fifth of that post-processed", "0.1.0",

@@ -8,6 +8,7 @@ import re
 from typing import Any
 
 from nav_model.base.errors import InputError
+from nav_model.design.autofocus import Autofocus
 from nav_model.design.declaration import BaseQuantity
 from nav_model.design.filter import Filter
 from nav_model.design.flight import Coast, Flight
@@ -21,14 +22,14 @@ from nav_model.design.sensors import Gnss, Imu
 from nav_model.design.trajectory import Trajectory
 
 __all__ = [
-    "INPUTS", "LONGEST_ORIGIN", "OUTDATED", "PARTS", "PRESET_KEYS", "RENAMED", "TOP_KEYS", "Accelerometer", "Coast",
-    "Filter", "Flight", "Gnss", "Gyro", "Imu", "Input", "Motion", "Oscillator", "Part", "Processing", "Radar",
-    "Requirements", "Trajectory", "all_keys", "declaration_of", "labelled", "quantity",
+    "INPUTS", "LONGEST_ORIGIN", "OUTDATED", "PARTS", "PRESET_KEYS", "RENAMED", "TOP_KEYS", "Accelerometer",
+    "Autofocus", "Coast", "Filter", "Flight", "Gnss", "Gyro", "Imu", "Input", "Motion", "Oscillator", "Part",
+    "Processing", "Radar", "Requirements", "Trajectory", "all_keys", "declaration_of", "labelled", "quantity",
 ]  # fmt: skip
 
 PARTS: tuple[type[Part], ...] = (
-    Imu, Gyro, Accelerometer, Gnss, Filter, Flight, Coast, Radar, Motion, Oscillator, Processing, Trajectory,
-    Requirements,
+    Imu, Gyro, Accelerometer, Gnss, Filter, Flight, Coast, Radar, Autofocus, Motion, Oscillator, Processing,
+    Trajectory, Requirements,
 )  # fmt: skip
 """The sections of a design, in the order of the file."""
 

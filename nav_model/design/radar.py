@@ -64,6 +64,21 @@ class Radar(Part):
         slider=True,
         unless="aperture_time",
     )
+    range_resolution = OptionalQuantity(
+        dimension="length",
+        unit="m",
+        short="rr",
+        bounds=(1e-3, 1e3),
+        softbounds=(0.05, 10.0),
+        label="Range resolution",
+        doc="Size of a range cell, half of which the path error before autofocus may be.",
+        datasheet='Radar table: "range resolution"; else the speed of light over twice the bandwidth.',
+        typical="0.1 to 3 m",
+        when_empty="as azimuth",
+        instead="azimuth_resolution",
+        variable=False,
+        since="0.2.0",
+    )
     window = Choice(
         default="uniform",
         options={"uniform": "uniform", "hamming": "Hamming", "taylor": "Taylor −35 dB, n̄ 5"},

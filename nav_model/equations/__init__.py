@@ -10,7 +10,7 @@ from nav_model.base.text.toml_text import shipped
 from nav_model.equations.entry import Equation, Symbol
 
 _CITED = re.compile(r"\[([TSBP]-\d+)\]")
-_ONLY_WHERE_CITED = ("T-14", "T-16", "T-19", "T-20", "T-21", "T-22", "S-4", "S-7")
+_ONLY_WHERE_CITED = ("T-14", "T-16", "T-19", "T-20", "T-21", "T-22", "S-4", "S-7", "S-9", "S-10")
 
 
 ALL_EQUATIONS: tuple[Equation, ...] = tuple(Equation(**row) for row in shipped(__name__, "equations")["equation"])

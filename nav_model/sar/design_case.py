@@ -207,6 +207,11 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
             "all axes into phase [S-8]. Cells and widths are measured across the line of sight."
         )
     cautions += not_flown(design)
+    if design.autofocus.works:
+        cautions += (
+            "Strategies, runs and advice here are before the design's autofocus; its phases, and the limits on them, "
+            "are those after it [S-9].",
+        )
     beside = [key for key in (*VARYING_KEYS, *CONSTANT_KEYS) if design[key] and not key.endswith("correlation_time")]
     if beside:
         names = sorted({in_sentence(quantity(key).label) for key in beside})

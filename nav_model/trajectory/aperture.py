@@ -13,6 +13,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from nav_model.analytic.turning import LEFT_OF_ORDER
+from nav_model.aperture.autofocus import KINDS
 from nav_model.base.errors import InputError
 from nav_model.budget.inputs import Inputs
 from nav_model.processing.geolocation import Shifts
@@ -215,7 +216,8 @@ def smoothed_rest(whole: FloatArray, variances: FloatArray, free: FloatArray) ->
 
 
 def figures(variances: FloatArray, x: Inputs, rest: FloatArray) -> Mapping[str, FloatArray]:
-    """Variances of the phases by name [rad²], of those of the sums (sources, apertures, COLUMNS).
+    """Variances of the phases by name [rad²] and of the path before autofocus [m²], of those of the sums (sources,
+    apertures, COLUMNS), without the autofocus's own error.
 
     rest: mean square that the coefficients leave, (sources, apertures) or (sources, 1) [m²].
     """
@@ -223,9 +225,26 @@ def figures(variances: FloatArray, x: Inputs, rest: FloatArray) -> Mapping[str, 
     higher = sum(variances[..., n] / (2 * n + 1) for n in range(x.autofocus_order + 1, ORDERS))
     sight = {"quadratic": 9 / 4 * variances[..., 2], "cubic": 25 / 4 * variances[..., 3]}
     image, track = ({kind: variances[..., places[n]] for kind, places in _TURN.items()} for n in (0, 1))
+    path = image["quadratic"]
+    before = {"phase_before_autofocus": phase * path, "path_before_autofocus": path}
+    if (left := x.left) is not None:
+        beyond = sum(variances[..., n] / (2 * n + 1) for n in range(4, ORDERS)) + rest
+
+        def of(parts: Mapping[str, FloatArray], beyond: FloatArray | float) -> tuple[FloatArray, ...]:
+            measures = zip(left.quadratic, left.cubic, left.beyond, strict=True)
+            return tuple(phase * (q * parts["quadratic"] + c * parts["cubic"] + b * beyond) for q, c, b in measures)
+
+        whole, of_sight, of_track = of(image, beyond), of(sight, beyond), of(track, 0.0)
+        named = {"": whole, "line_of_sight_": of_sight, "along_track_": of_track}
+        return before | {
+            f"{part}{kind}_phase": values
+            for part, measures in named.items()
+            for kind, values in zip(KINDS, measures, strict=True)
+        }
     # What autofocus leaves: of the image, the next order with the turn, and those beyond it along the line of sight.
     kind, factor = LEFT_OF_ORDER.get(x.autofocus_order, ("cubic", 0.0))
     return {
+        **before,
         **{f"{kind}_phase": phase * variance for kind, variance in image.items()},
         "detrended_phase": phase * (higher + rest + factor * (image[kind] - sight[kind])),
         **{f"line_of_sight_{kind}_phase": phase * variance for kind, variance in sight.items()},

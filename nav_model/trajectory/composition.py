@@ -63,8 +63,9 @@ def processed(
     shares = {}
     for name, values in groups.items():
         total = values.sum(axis=0)
+        nonzero = np.where(total == 0.0, 1.0, total)  # all of it may be beside the flight
         with np.errstate(invalid="ignore"):
-            of_model = dict(zip((*sources, *beside(spec.inputs)), values / total, strict=name in PLACES))
+            of_model = dict(zip((*sources, *beside(spec.inputs)), values / nonzero, strict=name in PLACES))
         whole = spec.contributors.composed(name, processing, sigmas[name], of_model)
         sigmas[name], mixed = whole.sigma, dict(whole.shares)
         shares[name] = np.stack([mixed.get(source, 0.0 * total) for source in all_sources(spec, model)])

@@ -1,5 +1,6 @@
 """The covariance along a flight of a design: its plan, its aperture, its limits."""
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -13,12 +14,13 @@ from nav_model.base.frozen import FrozenMapping
 from nav_model.budget.contributors import Contribution, Contributors
 from nav_model.budget.inputs import RECTIFICATION, Inputs, inputs_of
 from nav_model.budget.real_time import RealTime
+from nav_model.budget.shares import ESTIMATION
 from nav_model.budget.smoothed import Smoothed
 from nav_model.budget.varying import VARYING
 from nav_model.budget.verdict import all_required, confidence_of, flight_required
 from nav_model.design import Design
 from nav_model.design.contributors import BOTH
-from nav_model.design.figures import FIGURES, IN_FLIGHT, OF_BUDGET, STEADY
+from nav_model.design.figures import FIGURES, IN_FLIGHT, OF_BUDGET, PHASES, STEADY
 from nav_model.design.trajectory import LIMITED, LINES, WAYPOINTS, Rows, row_of
 from nav_model.simulation.design_study import named_flight, specification
 from nav_model.simulation.specification import SimulationSpec
@@ -230,11 +232,16 @@ def _besides(x: Inputs) -> Contributors:
     """Contributions to the figures beside the errors of the flight: in the phases vibration, unsensed motion and the
     oscillator [P-8], and all else that the budget's phases have; and the user's own contributors."""
     in_figures = dict(x.contributors.in_figures)
+    if x.estimation is not None and x.estimated is not None:
+        for name, weight in zip(PHASES, x.estimated, strict=True):
+            part = Contribution(ESTIMATION, x.estimation * math.sqrt(weight), False, BOTH)
+            in_figures[name] = (*in_figures.get(name, ()), part)
+        x = replace(x, estimation=np.zeros(()))
     for source, variances in RealTime(x).phases.items():
         if source in (*SOURCES, RECTIFICATION, VARYING):  # along the flight
             continue
         alone = RealTime(x)
-        alone.phases = {source: variances}
+        alone.phases, alone.phases_before = {source: variances}, {source: RealTime(x).phases_before[source]}
         alone.quadratic_bend = alone.cubic_bend = (Bend(*np.zeros(5)),) * 2  # none moves along the track
         for name in IN_FLIGHT:
             if FIGURES[name].kind == "phase":

@@ -227,9 +227,9 @@ def _nodes(
 ) -> FloatArray:
     """Times of the nodes: the anchors, and between them as many as turns, aperture and correlation times need."""
     times = [error.time / 5.0 for error in states.drives if error.time > 0.0]
-    longest = max(
-        min([1.0, float(spec.inputs.aperture) / _APERTURE_PARTS[spec.inputs.autofocus_order], *times]), _DENSEST
-    )
+    x = spec.inputs
+    order = x.autofocus_order if x.left is None else x.left.order
+    longest = max(min([1.0, float(x.aperture) / _APERTURE_PARTS[order], *times]), _DENSEST)
     grid = np.union1d(np.arange(0.0, anchors[-1], 0.25), anchors)
     rate = np.linalg.norm(trajectory.evaluate(grid, 1)[:, 3:], axis=1)
     at = np.searchsorted(grid, anchors)

@@ -45,6 +45,10 @@ def phase_chart(budget: Budget) -> BarChart:
 
     residual = DETRENDED[sar.autofocus_order]
     removed = f"Quadratic phase before autofocus; detrended phase: rms over the aperture after {residual}."
+    if budget.design.autofocus.works:
+        removed = (
+            f"Both after autofocus ({budget.design.autofocus.method}) [S-9], with its error of estimation [S-10]."
+        )
     if not post_processed:
         mark, by = "[S-8]", _by_mechanism(budget)
         slow = " Tilt from the augmented filter [T-8]." if budget.design.gnss.correlated else ""

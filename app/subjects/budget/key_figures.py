@@ -92,7 +92,7 @@ def _detail(budget: Budget, figure: Figure, amount: float, display: Display) -> 
         beside = f"; vertical {text_of(vertical)}" if figure.pair and vertical in FIGURES else ""
         return f"after {show(budget.coast.duration, 'time', given=True)}, in real time {figure.mark}{beside}"
     how = f"formula {figure.mark}" if not smoothed else f"smoothed {figure.smoothed_mark or figure.mark}"
-    if figure.kind == "phase":
+    if figure.kind == "phase" and figure.dimension == "angle" and figure.scaled:
         sight = float(phase_to_metres(amount, budget.sar.wavelength))
         # The quadratic phase is what autofocus has not taken yet.
         before = ", before autofocus" if "quadratic" in figure.name and budget.sar.autofocus_order > 1 else ""

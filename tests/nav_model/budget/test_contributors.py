@@ -90,7 +90,7 @@ def _random_set(draw: random.Random) -> list[Contributor]:
     result = []
     for number in range(draw.randint(1, 8)):
         enters = draw.choice(list(OF_BUDGET))
-        alike = enters.startswith("coast") or enters in ("paired_echo", "islr")
+        alike = enters.startswith("coast") or enters in ("paired_echo", "islr", "autofocus_estimation")
         lengthy = enters in of_kind("phase") and draw.random() < 0.5
         result.append(
             Contributor(

@@ -290,3 +290,21 @@ def test_heights_of_a_navigation_unit_under_a_slow_error_are_the_budgets(process
     result, budget = covariance(covariance_specification(design, study)), analyse(design)
     for name in ("vertical_position", "vertical_velocity"):
         assert result.chosen.figures[name][1] == pytest.approx(budget.figure(name).sigma, rel=0.02), name
+
+
+@pytest.mark.parametrize("method", ["map drift", "phase gradient"])
+@pytest.mark.parametrize("seed", [1, 5])
+def test_an_autofocus_leaves_along_a_line_what_it_leaves_in_the_budget(seed: int, method: str) -> None:
+    design = drawn(seed).replace({"autofocus.method": method, "autofocus.scene": "urban", "autofocus.blocks": 8})
+    budget, study = analyse(design), specification(design, trajectory="straight", duration=LEG, every=LEG / 2)
+    result = covariance(covariance_specification(design, study)).chosen
+    for name in (
+        "phase_before_autofocus",
+        "path_before_autofocus",
+        "quadratic_phase",
+        "cubic_phase",
+        "detrended_phase",
+    ):
+        assert result.figures[name][1] == pytest.approx(budget.figure(name).sigma, rel=0.01), name
+        shares = result.shares[name][:, 1]
+        assert shares.sum() == pytest.approx(1.0, rel=1e-9), name

@@ -1,0 +1,93 @@
+"""A design with an autofocus: its verdict, its limits, and what stays without one."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from nav_model import Design, analyse, read_design
+from nav_model.budget.figures import figures
+from nav_model.budget.inputs import inputs_of
+from nav_model.design.figures import FIGURES, OF_BUDGET
+from nav_model.design.file import format_design
+from nav_model.explore.margins import ratios
+
+MEMS = read_design("examples/mems_x_band.toml")
+BROUGHT = Path("/work/shared/data/brought/60_autofocus.toml")
+OWN = ("phase_before_autofocus", "path_before_autofocus", "autofocus_estimation")
+
+
+def focused(design: Design = MEMS, **more: object) -> Design:
+    changes = {"autofocus.method": "phase gradient", "autofocus.scene": "urban"}
+    return design.replace(changes | {key.replace("__", "."): value for key, value in more.items()})
+
+
+@pytest.mark.parametrize("mode", ["real time", "post-processed"])
+def test_a_town_closes_it_and_the_sea_does_not(mode: str) -> None:
+    design = MEMS.replace({"processing.mode": mode})
+    before, town, sea = (analyse(each) for each in (design, focused(design), focused(design, autofocus__scene="sea")))
+    assert (before.verdict.state, town.verdict.state, sea.verdict.state) == ("fails", "closes", "fails")
+    assert sea.verdict.checks == before.verdict.checks
+    assert {check.name for check in town.verdict.checks} - {check.name for check in sea.verdict.checks} == set(OWN)
+    first = town.figure("phase_before_autofocus").sigma
+    assert first == pytest.approx(before.figure("quadratic_phase").sigma, rel=1e-12)
+    for name in ("azimuth_shift", "range_shift", "ce90", "horizontal_position", "coast_horizontal_position"):
+        assert town.figure(name).sigma == before.figure(name).sigma
+    assert math.fsum(town.figure("detrended_phase").shares.values()) == pytest.approx(1, rel=1e-9)
+
+
+def test_ten_milli_g_are_not_met_by_range_cells() -> None:
+    biased = MEMS.replace({"imu.accelerometer_bias": 0.0980665, "radar.autofocus_order": 2})
+    biased = biased.replace({"requirements.quadratic_phase": None})
+    assert math.degrees(analyse(biased).figure("line_of_sight_detrended_phase").sigma) == pytest.approx(6.2, abs=0.05)
+    checks = {check.name: check for check in analyse(focused(biased)).verdict.checks}
+    path = checks["path_before_autofocus"]
+    assert (path.state, path.dominant, path.limit) == ("not met", "accelerometer bias", pytest.approx(0.1))
+    assert path.value == pytest.approx(0.355, abs=0.0005)
+    assert checks["phase_before_autofocus"].state == "not met"
+    corrected = focused(biased, autofocus__migration="corrected", autofocus__capture=1000.0)
+    assert {"phase_before_autofocus", "path_before_autofocus"}.isdisjoint(analyse(corrected).verdict.failing)
+
+
+@pytest.mark.skipif(not BROUGHT.exists(), reason="the designs that were brought are not here")
+@pytest.mark.parametrize("method", ["map drift", "phase gradient"])
+def test_the_design_that_was_brought(method: str) -> None:
+    design = read_design(BROUGHT).replace({"imu.accelerometer_bias": 0.0980665})
+    assert analyse(design).verdict.closes
+    verdict = analyse(design.replace({"autofocus.method": method})).verdict
+    assert {"phase_before_autofocus", "path_before_autofocus"} <= set(verdict.failing)
+
+
+def test_the_capture_is_at_three_sigma_and_a_requirement_may_be_tighter() -> None:
+    check = next(c for c in analyse(focused()).verdict.checks if c.name == "phase_before_autofocus")
+    assert (check.confidence, check.limit) == (3.0, pytest.approx(8 * math.pi))
+    tighter = focused(requirements__phase_before_autofocus=1.0)
+    check = next(c for c in analyse(tighter).verdict.checks if c.name == "phase_before_autofocus")
+    assert (check.confidence, check.limit, check.state) == (1.0, 1.0, "not met")
+
+
+def test_it_fails_without_contrast() -> None:
+    faint = focused(autofocus__range_bins=1.0, autofocus__signal_to_clutter=1.0)
+    assert "autofocus_estimation" in analyse(faint).verdict.failing
+
+
+@pytest.mark.parametrize("method", ["map drift", "phase gradient"])
+@pytest.mark.parametrize("mode", ["real time", "post-processed"])
+def test_arrays_have_the_figures_and_margins_of_the_budget(method: str, mode: str) -> None:
+    design = focused(autofocus__method=method, processing__mode=mode)
+    budget, known = analyse(design), [name for name in OF_BUDGET if FIGURES[name].kind != "response"]
+    for name, value in figures(inputs_of(design), known).items():
+        assert float(value) == pytest.approx(budget.figure(name).sigma, rel=1e-7, abs=1e-15), name
+    coarser = ratios(design, {"radar.azimuth_resolution": 0.4})["path_before_autofocus"]
+    check = next(
+        c
+        for c in analyse(design.replace({"radar.azimuth_resolution": 0.4})).verdict.checks
+        if c.name == "path_before_autofocus"
+    )
+    assert 1 - float(coarser) == pytest.approx(check.margin, rel=1e-6)
+
+
+def test_without_it_a_design_is_what_it_was() -> None:
+    assert "autofocus" not in format_design(MEMS).replace("autofocus_order", "")
+    assert MEMS.replace({"autofocus.method": "none"}).content_hash == MEMS.content_hash
+    assert not set(OWN) & {check.name for check in analyse(MEMS).verdict.checks}
