@@ -11,6 +11,7 @@ from typing import Literal, get_args
 
 from nav_model.base.errors import InputError
 from nav_model.design import Design, Value
+from nav_model.design.autofocus import MAP_DRIFT, NONE, PHASE_GRADIENT, SEA
 from nav_model.design.catalogue import OFFERED as OFFER_VALUES
 from nav_model.design.catalogue import Entry, SourcedValue, catalogue
 from nav_model.design.parts import PRESET_KEYS
@@ -93,7 +94,7 @@ def levers(
     of_group: Mapping[Group, Callable[[], Iterable[Lever]]] = {
         "processing": lambda: _processing(design),
         "velocity": lambda: velocity_levers(design),
-        "autofocus": lambda: (),
+        "autofocus": lambda: _autofocus(design),
         "receiver": lambda: (receiver_lever(design, entry, step) for step, entry in enumerate(classes.values())),
         "imu": lambda: (
             imu_lever(design, entry, step) for step, entry in enumerate(units.values()) if not lacks(entry)
@@ -120,6 +121,16 @@ def _processing(design: Design) -> Iterator[Lever]:
     """A smoother is none without fixes after the aperture."""
     if design.processing.mode == REAL_TIME and design.processing.leg_after > 0:
         yield Lever("Process after the flight", "processing", "processing", 0, {"processing.mode": POST_PROCESSED})
+
+
+def _autofocus(design: Design) -> Iterator[Lever]:
+    """Autofocus in the scene that a design gives; without one nobody knows its points."""
+    given = design.autofocus
+    if given.method != NONE or given.scene == SEA or not given.given():
+        return
+    for step, method in enumerate((MAP_DRIFT, PHASE_GRADIENT)):
+        name = f"Autofocus by {method} in this scene"
+        yield Lever(name, "autofocus", "autofocus", step, {"autofocus.method": method})
 
 
 def velocity_levers(design: Design) -> Iterator[Lever]:

@@ -86,7 +86,8 @@ def _column(design: Design, trials: Sequence[Mapping[str, Value]], key: str) -> 
 
 
 def ratios_of_trials(design: Design, trials: Sequence[Mapping[str, Value]]) -> dict[str, Array]:
-    """As `ratios`, of changes of any inputs, each by itself; NaN for a design that would be refused.
+    """As `ratios`, of changes of any inputs, each by itself; NaN for a design that would be refused,
+    zero where one has no such limit.
 
     Parameters
     ----------
@@ -94,10 +95,10 @@ def ratios_of_trials(design: Design, trials: Sequence[Mapping[str, Value]]) -> d
     trials : sequence of mapping
         Dotted key -> value in SI.
     """
-    by_limit = {name: np.full(len(trials), np.nan) for name in limits(design)}
+    by_limit: dict[str, Array] = {}
     for members, base, columns in alike(design, trials):
-        for name, ratio in ratios(base, columns).items():
-            by_limit[name][members] = ratio
+        for name, ratio in ratios(base, columns).items():  # a choice, such as an autofocus, may have its own limits
+            by_limit.setdefault(name, np.zeros(len(trials)))[members] = ratio
     return by_limit
 
 

@@ -68,7 +68,7 @@ class ClosingPanel(Question):
         self._settings = StudySettings(session, "close", self, ("changes", "reserve"), self._again)
         self._groups = pmui.CheckButtonGroup(
             label="May change",
-            options={words: name for name, words in GROUP_WORDS.items() if name != "autofocus"},
+            options={words: name for name, words in GROUP_WORDS.items()},
             value=self.changes.split(","),
             margin=(8, 10),
             stylesheets=[SWITCH],

@@ -43,7 +43,14 @@ class FlightFile:
 def read_file(
     path: str | Path, height: float | None = None, ground: float | None = None, columns: Sequence[str] = ()
 ) -> FlightFile:
-    """`parse_file` of a file; OSError where it cannot be read."""
+    """`parse_file` of a file; OSError where it cannot be read.
+
+    Parameters
+    ----------
+    path : path
+    height, ground, columns
+        As `parse_file`.
+    """
     with Path(path).open("rb") as file:
         return parse_file(file.read(FILE_BOUNDS.most_bytes + 1), Path(path).name, height, ground, columns)
 

@@ -65,7 +65,6 @@ def test_rows_are_filled_in_with_the_text_they_came_from(text, values):
         ("Scale factor error 100 ppm", "not known"),
         ("Range ±450 °/s", "not known"),
         ("Bias instability 0.5", "no unit"),
-        ("Bias instability 0.3 °/h (3σ, 25 °C)", "several numbers"),
         ("<b>Weight</b> 55 g", "not known"),
         ("fine words", "not known"),
     ],

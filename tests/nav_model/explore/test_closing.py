@@ -173,6 +173,18 @@ def test_what_a_lever_needs_is_another_of_its_set(mems: Closing) -> None:
     assert "Process after the flight" not in {each.lever.name for each in flown_to_the_end.alone}
 
 
+def test_autofocus_is_a_lever_in_a_scene_that_the_design_gives(mems: Closing) -> None:
+    assert "autofocus" not in {each.lever.group for each in mems.alone}
+    assert levers(example("mems_x_band").replace({"autofocus.scene": "sea"}), ["autofocus"]) == ()
+    town = example("mems_x_band").replace({"autofocus.scene": "urban"})
+    answer = closing_sets(town)
+    first = answer.sets[0]
+    assert [lever.name for lever in first.levers] == ["Autofocus by map drift in this scene"]
+    assert closes(town, first.levers)
+    assert {"phase_before_autofocus", "path_before_autofocus"} <= first.ratios.keys()
+    assert not closes(town, [])
+
+
 def test_locks_and_allowed_groups() -> None:
     design = example("mems_x_band")
     locked = closing_sets(design, lock=["imu.angle_random_walk", "gnss.velocity_noise"])
