@@ -1,6 +1,6 @@
 export function render({ model }) {
   const place = document.createElement("div")
-  place.innerHTML = `<p>Is your navigation good enough for SAR? Start with</p>
+  place.innerHTML = `<p>Is your navigation good enough for SAR?</p>
     <div role="group" aria-label="Start with"></div>
     <p class="next" aria-live="polite"></p>
     <form hidden><textarea rows="3" maxlength="5000" aria-label="Rows of the data sheet"

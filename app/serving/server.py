@@ -55,7 +55,7 @@ _VIEWPORT = '<meta name="viewport" content="width=device-width, initial-scale=1"
 """Before any script asks for the width of the window: a phone would say that of a desk."""
 COMPONENTS = (
     "app.ui.anchored_text", "app.ui.decision_table", "app.ui.row_editor",
-    "app.ui.sortable_table", "app.ui.verdict_switch", "app.upstream.file_input",
+    "app.ui.fields", "app.ui.sortable_table", "app.ui.verdict_switch", "app.upstream.file_input",
 )  # fmt: skip
 """Modules with parts for the browser that pages load late. They are imported before anybody comes: Panel makes a part
 that one visitor's tab is the first to import known to one open page, and every other page breaks on it."""

@@ -141,7 +141,13 @@ def log_derivatives(
         stepped[key] = base.get(key, design[key]) * (1 + 1j * _STEP * identity[i])
     values = figures(inputs_of(design, stepped), names)
     whole = (len(keys), *shape)
-    return {name: np.broadcast_to(value.imag / (value.real * _STEP), whole) for name, value in values.items()}
+    return {name: np.broadcast_to(_slope(value), whole) for name, value in values.items()}
+
+
+def _slope(value: Array) -> Array:
+    """The derivative that a stepped figure carries; zero for a figure that is zero, which nothing moves."""
+    zero = value.real == 0
+    return np.where(zero, 0.0, value.imag / np.where(zero, 1.0, value.real * _STEP))
 
 
 def _scaled(design: Design, keys: Sequence[str], figure: str, factor: float) -> Array:

@@ -41,6 +41,7 @@ SOLVED = (
 """Inputs solved for; a vertical fix noise only where the design states one."""
 
 _SMALLEST = 1e-12  # of the upper bound: used as zero where an input may approach zero
+_NONE = 1e-300  # of a limit: a figure that is zero, as an estimation without an autofocus
 _SAMPLES = 25
 _TOLERANCES = {"xatol": 1e-300, "xrtol": 8.9e-16, "fatol": 1e-13, "frtol": 0.0}  # of log(value/limit)
 _DOWN = 1e-12  # of the logarithm, from just beyond a limit to within it
@@ -221,7 +222,8 @@ def _excess(design: Design, keys: list[str], names: list[str], rows: NDArray[np.
     """log(value/limit), shape (requirements, points); point n has input keys[rows[n]] at exp(log_values[n])."""
     changes = {key: np.where(rows == i, np.exp(log_values), _current(design, key)) for i, key in enumerate(keys)}
     by_limit = ratios(design, changes)
-    excess: Array = np.log(np.stack(np.broadcast_arrays(*(by_limit[name] for name in names), log_values)[:-1]))
+    stacked = np.stack(np.broadcast_arrays(*(by_limit[name] for name in names), log_values)[:-1])
+    excess: Array = np.log(np.maximum(stacked, _NONE))
     return excess
 
 

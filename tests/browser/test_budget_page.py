@@ -355,8 +355,8 @@ def test_noise_for_another_filter_is_shared(plain: Page) -> None:
 
 def test_a_vendors_table_is_taken_into_the_design(desk: Page) -> None:
     desk.get_by_role("button", name="Errors as data sheets print them").click()
-    expect(desk.get_by_role("cell", name="6.59 m")).to_be_visible()
-    rows = desk.get_by_label("A vendor's table in real time, a row a line")
+    expect(desk.get_by_role("cell", name="659 cm")).to_be_visible()
+    rows = desk.get_by_label("Vendor's table in real time, one row per line")
     rows.fill(
         "no outage: horizontal 0.4039 m, vertical 0.2140 m, velocity 0.03694 m/s, roll and pitch 0.05986°\n"
         "10 s: horizontal 0.9174 m, vertical 0.5641 m, velocity 0.1146 m/s, tilt 0.06141°, heading 0.01392°\n"

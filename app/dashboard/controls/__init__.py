@@ -15,15 +15,22 @@ from nav_model.design.table import Table
 
 _MAIN = ("gnss.preset", "gnss.position_noise", "gnss.interval", "gnss.velocity_noise")
 
+_BANDWIDTH = "imu.bandwidth"
+"""It acts on vibration alone, and stands there: the inputs that are tried together are in view together."""
+
 
 def design_groups(session: Session, opened: Iterable[str]) -> list[Group]:
-    """Every input of the design by section, in the order of the design file, the receiver's main ones first; which
-    sections are open at first."""
+    """Every input of the design by section, in the order of the design file but for IMU and GNSS, which come first,
+    with the receiver's main ones; which sections are open at first."""
     groups = []
-    for part in PARTS:
+    for part in sorted(PARTS, key=lambda part: part.section not in ("imu", "gnss")):
         section = part.section
         catalogue = [key for key in PRESET_KEYS if key == f"{section}.preset"]
         keys = [*catalogue, *(f"{section}.{name}" for name in INPUTS[section])]
+        if section == "imu":
+            keys.remove(_BANDWIDTH)
+        if section == "motion":
+            keys.insert(0, _BANDWIDTH)
         if section == "gnss":
             keys.sort(key=lambda key: key not in _MAIN)
         inputs = [input_of(session, key) for key in keys]

@@ -148,8 +148,8 @@ def check_lines(path: str, budget: Budget) -> list[str]:
     lines += [f"  caution: {caution}" for caution in cautions(budget)]
     lines += [
         f"  {SAID[other.processing]} it {_WOULD[other.state]}{tightest_words(other)}",
-        f"{path}: {_WORDS[verdict.state]} {judged(verdict)}{tightest_words(verdict)}{open_words(verdict)}"
-        f"{_closing_words(budget)}",
+        f"{path}: {_WORDS[verdict.state]} {judged(verdict)}{tightest_words(verdict)}"
+        f"{_closing_words(budget)}{open_words(verdict)}",
     ]
     return [line.replace("−", "-") for line in lines]
 

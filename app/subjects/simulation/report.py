@@ -42,6 +42,8 @@ def study(design: Design, options: argparse.Namespace) -> SimulationStudy:
         outages=outages,
         trajectory=options.trajectory,
         height=None,
+        ground=None,
+        columns=None,
         every=max(1.0, round((duration or 0.0) / _RESULTS)),
         workers=options.workers,
         scheduler=None,

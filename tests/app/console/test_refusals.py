@@ -60,7 +60,7 @@ _REFUSED = [
     ("allan LOG --rate 100 --gyro-unit furlong", "'furlong'"),
     ("allan LOG --rate 100 --columns gyro_x,gyro_y", "2 column names are given, but the file has 6"),
     ("allan LOG --rate 100 --arrays gyro", "arrays: 'gyro' is not an assignment"),
-    (f"allan LOG --rate 100 --arrays {'g' * 5000}", "...' is not an assignment"),
+    (f"allan LOG --rate 100 --arrays {'g' * 5000}", "... is not an assignment"),
     ("allan LOG --rate 100 --motion --bench-arw 3", "--bench-arw: '3' has no unit"),
     ("allan LOG --rate 10 --motion", "10 Hz is too slow"),
     ("allan LOG --rate 100 --bench-arw '0.3 °/√h'", "--motion"),

@@ -4,12 +4,22 @@ import math
 
 import pytest
 from bokeh.model import DataModel, Model
+from pages import at_once, start_to_the_end
 
+import app.subjects.explore.closing as closing_panel
 from app.dashboard.frame import Frame
 from app.serving.server import first_design
 from app.session import Session
+from app.work.run import Run
 
 pytestmark = pytest.mark.long
+
+
+@pytest.fixture(autouse=True)
+def _here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the page Close it works out is worked out in this process, up to the end."""
+    monkeypatch.setattr(closing_panel, "run_in_pool", at_once)
+    monkeypatch.setattr(Run, "start", start_to_the_end)
 
 
 def _models(root: Model) -> list[DataModel]:

@@ -59,8 +59,8 @@ async def test_pages_keep_a_flight_and_a_phase_history_on_the_disk(
 ) -> None:
     session = Session(first_design())
     page = TrajectoryPage(session)
-    monkeypatch.setattr(page, "begin", lambda: None)
-    monkeypatch.setattr(trajectory_page, "run_in_pool", _as_flown)
+    monkeypatch.setattr(page, "begin", lambda *_: None)
+    monkeypatch.setattr(trajectory_page, "read_in_pool", _as_flown)
     picture = UploadedPicture(session, lambda: None)
     await page._uploaded("flight.out", b"small")  # imports what it needs
     before, _ = tracemalloc.get_traced_memory()

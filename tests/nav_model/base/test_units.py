@@ -301,7 +301,7 @@ def test_noise_that_grows_with_the_base_line_needs_it():
         value = float(parse_exact(text, "length", baseline=12_345.6)[0])
         again = format_quantity(value, unit, "length", baseline=12_345.6)
         assert float(parse_exact(again, "length", baseline=12_345.6)[0]) == value
-        with pytest.raises(InputError, match=r"base line. Write"):
+        with pytest.raises(InputError, match=r"baseline. Write"):
             parse_quantity(text, "length")
     assert parse_exact("(1 cm + 1 ppm) CEP", "length", baseline=10e3)[0] == pytest.approx(Fraction(2 / 100 / 1.17741))
 
@@ -398,7 +398,7 @@ def test_numbers_as_sheets_manuals_and_threads_print_them():
         key, text, value = (part.strip() for part in line.split(" | "))
         letters = "NS" if key == "flight.latitude" else ""
         if value == "ask":
-            with pytest.raises(InputError, match=r"may mean|base line"):
+            with pytest.raises(InputError, match=r"may mean|baseline"):
                 parse_exact(text, _KINDS[key])
         else:
             exact, _ = parse_exact(text, _KINDS[key], letters=letters)

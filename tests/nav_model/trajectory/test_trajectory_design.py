@@ -234,8 +234,8 @@ def test_a_heading_that_swings_is_no_turn() -> None:
         flown = replace(named_flight(case, kind), attitude_wander=math.radians(3.0))
         study = specification(case, trajectory=flown, runs=1, duration=250.0, outages=[(0.0, 249.0)])
         texts[kind] = covariance(covariance_specification(case, study)).heading.in_words()
-    assert "lacks a turn of 90°" in texts["wandering"]
-    assert "lacks sharper turns" in texts["turns"]
+    assert "Add a turn of 90°" in texts["wandering"]
+    assert "Add sharper turns" in texts["turns"]
 
 
 def test_contributors_of_the_design_enter_the_figures_along_the_flight() -> None:
