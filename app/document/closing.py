@@ -102,10 +102,10 @@ def closing_answer(budget: Budget, answer: Closing) -> Answer:
 
 def _nearest(budget: Budget, answer: Closing) -> Iterator[str]:
     if answer.nearest is not None:
-        fails = ", ".join(
-            f"{figure_in_sentence(name)} {number(ratio)} ×" for name, ratio in answer.nearest.failing.items()
-        )
-        yield f"Nearest: {set_in_words(answer.nearest.levers)}; still over its limit: {fails}."
+        nearest = answer.nearest
+        over = ", ".join(f"{figure_in_sentence(name)} {number(ratio)} ×" for name, ratio in nearest.failing.items())
+        what = f"still over its limit: {over}" if over else margin_in_sentence(nearest.margin)  # short of the reserve
+        yield f"Nearest: {set_in_words(nearest.levers)}; {what}."
     for each in answer.helps:
         added = each.levers[-1]
         effect = (

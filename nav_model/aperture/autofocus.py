@@ -21,7 +21,7 @@ _QUADRATIC, _CUBIC = 1 / 64 * 10 / 7, 25 / 4 * 7 / 3960  # of that noise [S-5], 
 _BETWEEN = 2 / 3  # variance of lines between independent phases, over that of each
 
 
-class Left(NamedTuple):
+class Residual(NamedTuple):
     """Residual after an autofocus, an element for each of `KINDS`.
 
     ``quadratic``, ``cubic`` and ``beyond`` are weights on the variances of the quadratic, of the cubic and of what a
@@ -45,11 +45,11 @@ class Noise(NamedTuple):
     weights: Array
 
 
-def after_map_drift(order: int) -> Left:
+def after_map_drift(order: int) -> Residual:
     """Residual after a polynomial of order 2 or 3 is removed. [S-6]"""
     cubic = np.array([0, 1, 4 / 175]) if order == 2 else np.zeros(3)
     beyond = np.array([0.0, 0.0, 1.0])
-    return Left(
+    return Residual(
         np.zeros(3),
         cubic,
         beyond,
@@ -60,7 +60,7 @@ def after_map_drift(order: int) -> Left:
 
 
 @cache
-def after_phase_gradient(blocks: int) -> Left:
+def after_phase_gradient(blocks: int) -> Residual:
     """Residual after straight lines between the means of so many blocks of the aperture are removed. [S-9]"""
     x = ((np.arange(blocks)[:, None] + (1 + _POINTS) / 2) * (2 / blocks) - 1).ravel()
     weight = np.tile(_WEIGHTS / 2 / blocks, blocks)
@@ -85,7 +85,7 @@ def after_phase_gradient(blocks: int) -> Left:
     quadratic, cubic = (np.array([np.sum((rows @ x**n) ** 2) for rows in measures]) for n in (2, 3))
     white, walk = (np.array([np.sum((rows @ noise) * rows) for rows in measures]) for noise in noises)
     beyond = (white - quadratic * _QUADRATIC - cubic * _CUBIC) / _ORDER_3
-    return Left(quadratic, cubic, np.maximum(beyond, 0.0), white, walk, 3)
+    return Residual(quadratic, cubic, np.maximum(beyond, 0.0), white, walk, 3)
 
 
 def noise_of_phase_gradient(blocks: int, points: Array, contrast: Array) -> Noise:

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from nav_model.aperture.autofocus import Left
+from nav_model.aperture.autofocus import Residual
 from nav_model.aperture.geometry import line_of_sight_weights
 from nav_model.base.arrays import Array, as_numbers
 
@@ -62,7 +62,7 @@ def phase_budget(
     aperture: ArrayLike,
     coast: ArrayLike,
     grazing_angle: ArrayLike,
-    autofocus_order: int | Left = 1,
+    autofocus_order: int | Residual = 1,
 ) -> Mapping[str, PhaseVariances]:
     """Variances of quadratic, cubic and detrended line-of-sight error by source. [T-15], [S-5], [S-6]
 
@@ -76,7 +76,7 @@ def phase_budget(
         Residual biases at the last fix, 1σ, m/s² and rad/s.
     g, aperture, coast, grazing_angle : array_like
         m/s², s, s, rad.
-    autofocus_order : {1, 2, 3} or Left
+    autofocus_order : {1, 2, 3} or Residual
         Highest polynomial order removed before the detrended residual, 1 for the line only; or what an autofocus
         leaves of all three.
 
@@ -90,7 +90,7 @@ def phase_budget(
     ValueError
         For an order that has no closed form here.
     """
-    left = autofocus_order if isinstance(autofocus_order, Left) else _after(autofocus_order)
+    residual = autofocus_order if isinstance(autofocus_order, Residual) else _after(autofocus_order)
     p33, sigma_a, sigma_w, b, d, g, t, tc = (
         as_numbers(x) for x in (p33, sigma_a, sigma_w, accelerometer_bias, gyro_bias, g, aperture, coast)
     )
@@ -99,16 +99,16 @@ def phase_budget(
     s_a, s_g = sigma_a**2, horizontal * (g * sigma_w) ** 2
     # A gyro bias is a jerk: its acceleration in mid-aperture has grown since the last fix.
     jerk, middle = horizontal * (g * d) ** 2, (tc + t / 2) ** 2
-    constant = partial(_times, left.quadratic / 64, t**4)
+    constant = partial(_times, residual.quadratic / 64, t**4)
     by_bias = constant(jerk * middle)
     return {
         INITIAL_TILT: constant(horizontal * g**2 * p33),
-        "accelerometer noise": _times(left.white, t**3, s_a),
-        "gyro noise": _times(left.walk, t**5, s_g),
+        "accelerometer noise": _times(residual.white, t**3, s_a),
+        "gyro noise": _times(residual.walk, t**5, s_g),
         # Each axis has its own bias, so the weights add up to one.
         "accelerometer bias": constant((horizontal + vertical) * b**2),
         "gyro bias": PhaseVariances(
-            *(one + other for one, other in zip(by_bias, _times(left.cubic / 2304, t**6, jerk), strict=True))
+            *(one + other for one, other in zip(by_bias, _times(residual.cubic / 2304, t**6, jerk), strict=True))
         ),
         "coast before aperture": constant(s_g * tc),
     }
@@ -119,11 +119,11 @@ def _times(shares: Array, power: Array, variance: Array) -> PhaseVariances:
     return PhaseVariances(*(share * variance * power for share in shares.tolist()))
 
 
-def _after(order: int) -> Left:
+def _after(order: int) -> Residual:
     """Measures before autofocus, and what remains of the mean square after a polynomial is removed. [S-5], [S-6]"""
     if order not in _WHITE_ACCELERATION:
         raise ValueError(f"autofocus_order: {order!r} is not one of 1, 2, 3")
-    return Left(
+    return Residual(
         np.array([1.0, 0.0, 64 * _ACCELERATION[order]]),
         np.array([0.0, 1.0, 2304 * _JERK[order]]),
         np.array([0.0, 0.0, 1.0]),

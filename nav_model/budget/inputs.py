@@ -76,7 +76,7 @@ class Inputs:
     `interval`; velocity, velocity_vertical: velocity noise [m/s] every `velocity_interval`; slow: GNSS error with a
     correlation time. duration: of the outage; before_aperture: from the last fix to the aperture; leg_after: with
     fixes after it [s]. fast: source -> vibration, unsensed motion, oscillator along the line of sight; rectified:
-    accelerometer bias that vibration makes [m/s²]. aperture: its time [s]. left: residual of an autofocus, None
+    accelerometer bias that vibration makes [m/s²]. aperture: its time [s]. residual: after an autofocus, None
     without one; estimation: 1σ of one of its estimates [rad]; estimated: multiplies its variance for each measure of
     the phase; half_cell: half the range resolution [m].
     """
@@ -126,7 +126,7 @@ class Inputs:
     time_w: Array | None = None
     walk_a: Array | None = None
     walk_w: Array | None = None
-    left: autofocus.Left | None = None
+    residual: autofocus.Residual | None = None
     estimation: Array | None = None
     estimated: Array | None = None
     half_cell: Array | None = None
@@ -247,7 +247,7 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
         if given("radar.aperture_time")
         else geometry.aperture_time(wavelength, slant_range, speed, resolution, radar.window, squint)
     )
-    left, noise = _of_autofocus(design, value, given)
+    residual, noise = _of_autofocus(design, value, given)
     return Inputs(
         sigma_a=value("imu.velocity_random_walk") * factor,
         sigma_w=value("imu.angle_random_walk") * factor,
@@ -287,7 +287,7 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
         contributors=contributors_of(design, wavelength) if design.contributors else Contributors(),
         limits=design.limits,
         half_cell=(value("radar.range_resolution") if given("radar.range_resolution") else resolution) / 2,
-        left=left,
+        residual=residual,
         estimation=None if noise is None else noise.sigma,
         estimated=None if noise is None else noise.weights,
         **{field: value(key) for field, key in _CONSTANT.items()},
@@ -297,7 +297,7 @@ def inputs_of(design: Design, changes: Mapping[str, Replacement] | None = None) 
 
 def _of_autofocus(
     design: Design, value: Callable[[str], Array], given: Callable[[str], bool]
-) -> tuple[autofocus.Left | None, autofocus.Noise | None]:
+) -> tuple[autofocus.Residual | None, autofocus.Noise | None]:
     """Residual of the design's autofocus and the error that it adds, none without one."""
     used = design.autofocus
     if not used.works:
@@ -307,9 +307,9 @@ def _of_autofocus(
         for key, usual in zip(("autofocus.range_bins", "autofocus.signal_to_clutter"), used.points, strict=True)
     )
     if used.method == PHASE_GRADIENT:
-        left = autofocus.after_phase_gradient(used.blocks)
+        residual = autofocus.after_phase_gradient(used.blocks)
         noise = autofocus.noise_of_phase_gradient(used.blocks, points, amplitude**2)
     else:
-        left = autofocus.after_map_drift(used.order)
+        residual = autofocus.after_map_drift(used.order)
         noise = autofocus.noise_of_map_drift(used.order, points, amplitude**2)
-    return left, noise
+    return residual, noise

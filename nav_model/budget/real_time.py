@@ -22,7 +22,7 @@ from nav_model.analytic.rise import gravity_gradient, vertical_velocity
 from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.analytic.turning import LEFT_OF_ORDER, Bend, Turn, free_bend, turn_of
 from nav_model.aperture import phase
-from nav_model.aperture.autofocus import KINDS, Left
+from nav_model.aperture.autofocus import KINDS, Residual
 from nav_model.aperture.geometry import line_of_sight_weights
 from nav_model.base.arrays import Array, as_numbers
 from nav_model.budget.contributors import Composed
@@ -261,7 +261,7 @@ class RealTime:
         """As of the inputs; the workbook puts a cell in its place. [T-13]"""
         return self.x.to_phase
 
-    def phase_by_source(self, after: int | Left) -> Mapping[str, phase.PhaseVariances]:
+    def phase_by_source(self, after: int | Residual) -> Mapping[str, phase.PhaseVariances]:
         """Line-of-sight variances over the aperture, source by source, after a polynomial of an order or what an
         autofocus leaves. [S-5], [S-9]"""
         x, start = self.x, self.at_last_fix.horizontal
@@ -273,18 +273,18 @@ class RealTime:
             fast[RECTIFICATION] = of_bias["accelerometer bias"]
         if self.varying is not None:
             columns = self.varying.over_aperture
-            fast[VARYING] = left_of(lambda name: line_of_sight(columns[name], x.grazing_angle), after)
+            fast[VARYING] = residual_of(lambda name: line_of_sight(columns[name], x.grazing_angle), after)
         return {**by_source, **fast} if fast else by_source
 
     @cached_property
     def phases(self) -> Mapping[str, phase.PhaseVariances]:
         """Variances of phase after the design's autofocus."""
-        return self.phase_by_source(self.x.autofocus_order if self.x.left is None else self.x.left)
+        return self.phase_by_source(self.x.autofocus_order if self.x.residual is None else self.x.residual)
 
     @cached_property
     def phases_before(self) -> Mapping[str, phase.PhaseVariances]:
         """Variances of phase before an autofocus with limits of its own; without one, as `phases`."""
-        return self.phases if self.x.left is None else self.phase_by_source(self.x.autofocus_order)
+        return self.phases if self.x.residual is None else self.phase_by_source(self.x.autofocus_order)
 
     @cached_property
     def _before(self) -> phase.PhaseVariances:
@@ -297,7 +297,7 @@ class RealTime:
         whole = self._before if order == self.x.autofocus_order else phase.total(self.phase_by_source(order))
         return getattr(whole, column if column in whole._fields else "detrended")  # type: ignore[no-any-return]
 
-    def sight_left(self, kind: str) -> Array:
+    def sight_residual(self, kind: str) -> Array:
         """Variance [m²] along the line of sight of mid-aperture that an autofocus leaves of the "quadratic", the
         "cubic" or the mean square, "detrended"."""
         return getattr(phase.total(self.phases), kind)  # type: ignore[no-any-return]
@@ -354,11 +354,11 @@ class RealTime:
         """Phase [rad] of the image after the design's autofocus: "quadratic", "cubic" or "detrended"; None without
         one. [S-9], [S-10]"""
         x, k = self.x, KINDS.index(kind)
-        if x.left is None or x.estimation is None or x.estimated is None:
+        if x.residual is None or x.estimation is None or x.estimated is None:
             return None
-        turned = float(x.left.quadratic[k]) * self.turn.bent(*self.quadratic_bend)
-        turned = turned + float(x.left.cubic[k]) * self.turn.bent(*self.cubic_bend)
-        variance = self.to_phase**2 * (self.sight_left(kind) + turned)
+        bend = float(x.residual.quadratic[k]) * self.turn.bent(*self.quadratic_bend)
+        bend = bend + float(x.residual.cubic[k]) * self.turn.bent(*self.cubic_bend)
+        variance = self.to_phase**2 * (self.sight_residual(kind) + bend)
         focused: Array = np.sqrt(variance + float(x.estimated[k]) * x.estimation**2)
         return focused
 
@@ -405,7 +405,7 @@ class RealTime:
 
     def _along_sight(self, kind: str, column: str) -> Array:
         """Phase [rad] along the line of sight of mid-aperture: what the design's autofocus leaves, or a column."""
-        variance = self.sight_variance(column) if self.x.left is None else self.sight_left(kind)
+        variance = self.sight_variance(column) if self.x.residual is None else self.sight_residual(kind)
         return self.to_phase * np.sqrt(variance)
 
     def sight_detrended(self, order: int) -> Array:
@@ -414,24 +414,24 @@ class RealTime:
 
     @property
     def along_track_quadratic_phase(self) -> Array:
-        return self.to_phase * np.sqrt(self._track_left("quadratic", "quadratic"))
+        return self.to_phase * np.sqrt(self._track_residual("quadratic", "quadratic"))
 
     @property
     def along_track_cubic_phase(self) -> Array:
-        return self.to_phase * np.sqrt(self._track_left("cubic", "cubic"))
+        return self.to_phase * np.sqrt(self._track_residual("cubic", "cubic"))
 
     @property
     def along_track_detrended_phase(self) -> Array:
         kind, factor = LEFT_OF_ORDER.get(self.x.autofocus_order, ("cubic", 0.0))
-        return self.to_phase * np.sqrt(self._track_left("detrended", kind, factor))
+        return self.to_phase * np.sqrt(self._track_residual("detrended", kind, factor))
 
-    def _track_left(self, measure: str, kind: str, factor: float = 1.0) -> Array:
+    def _track_residual(self, measure: str, kind: str, factor: float = 1.0) -> Array:
         """Variance [m²] of errors along the track alone: what the design's autofocus leaves in a measure, or a part
         of the "quadratic" or the "cubic"."""
-        left, k = self.x.left, KINDS.index(measure)
-        if left is None:
+        residual, k = self.x.residual, KINDS.index(measure)
+        if residual is None:
             return factor * self._along_track(kind)
-        quadratic, cubic = float(left.quadratic[k]), float(left.cubic[k])
+        quadratic, cubic = float(residual.quadratic[k]), float(residual.cubic[k])
         variance: Array = quadratic * self._along_track("quadratic") + cubic * self._along_track("cubic")
         return variance
 
@@ -509,9 +509,9 @@ def line_of_sight(column: Array | tuple[Array, Array], grazing_angle: Array) -> 
     return variance
 
 
-def left_of(column: Callable[[str], Array], after: int | Left) -> phase.PhaseVariances:
+def residual_of(column: Callable[[str], Array], after: int | Residual) -> phase.PhaseVariances:
     """Variances after a polynomial of an order, or what an autofocus leaves, of columns of an aperture by name."""
-    if not isinstance(after, Left):
+    if not isinstance(after, Residual):
         return phase.PhaseVariances(*(column(name) for name in ("quadratic", "cubic", f"left_{after}")))
     measures = zip(after.quadratic, after.cubic, after.beyond, strict=True)
     return phase.PhaseVariances(
@@ -519,10 +519,10 @@ def left_of(column: Callable[[str], Array], after: int | Left) -> phase.PhaseVar
     )
 
 
-def of_fast(effect: Fast, after: int | Left) -> phase.PhaseVariances:
+def of_fast(effect: Fast, after: int | Residual) -> phase.PhaseVariances:
     """Variances of vibration, unsensed motion or oscillator: faster than a block, they stay but for a polynomial."""
-    if not isinstance(after, Left):
-        return left_of(lambda name: getattr(effect, name), after)
+    if not isinstance(after, Residual):
+        return residual_of(lambda name: getattr(effect, name), after)
     cubic = effect.cubic if after.order == 2 else 0 * effect.cubic
     return phase.PhaseVariances(0 * effect.quadratic, cubic, getattr(effect, f"left_{after.order}"))
 

@@ -16,10 +16,10 @@ from nav_model.budget.real_time import (
     azimuth_lever,
     bends_of,
     fast_slope,
-    left_of,
     line_of_sight,
     lines_of,
     of_fast,
+    residual_of,
 )
 from nav_model.budget.varying import channels
 from nav_model.design.processing import POST_PROCESSED
@@ -63,12 +63,12 @@ class Smoothed(RealTime):
         fast = sum(getattr(effect, column) for effect in self.x.fast.values())
         return np.asarray(line_of_sight(self.error[column], self.x.grazing_angle) + fast)
 
-    def sight_left(self, kind: str) -> Array:
+    def sight_residual(self, kind: str) -> Array:
         """As of real time, with vibration, unsensed motion and oscillator."""
         x = self.x
-        left = x.autofocus_order if x.left is None else x.left
-        of_error = left_of(lambda name: line_of_sight(self.error[name], x.grazing_angle), left)
-        fast = sum(getattr(of_fast(effect, left), kind) for effect in x.fast.values())
+        residual = x.autofocus_order if x.residual is None else x.residual
+        of_error = residual_of(lambda name: line_of_sight(self.error[name], x.grazing_angle), residual)
+        fast = sum(getattr(of_fast(effect, residual), kind) for effect in x.fast.values())
         return np.asarray(getattr(of_error, kind) + fast)
 
     def _bend(self, kind: str) -> tuple[Bend, Bend]:

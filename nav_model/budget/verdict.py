@@ -193,10 +193,10 @@ def limits_of_autofocus(design: Design) -> Mapping[str, tuple[tuple[float, float
         return {}
     radar = design.radar
     cell = radar.azimuth_resolution if radar.range_resolution is None else radar.range_resolution
-    stays = design.autofocus.migration == "stays"
+    migrates = design.autofocus.migration == "stays"
     return {
         "phase_before_autofocus": ((design.autofocus.captured, _SIGMAS_CAPTURED),),
-        "path_before_autofocus": ((cell / 2, design.requirements.confidence),) if stays else (),
+        "path_before_autofocus": ((cell / 2, design.requirements.confidence),) if migrates else (),
         "autofocus_estimation": ((_MOST_ESTIMATION, None),),
     }
 

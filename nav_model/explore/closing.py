@@ -188,9 +188,8 @@ def closing_sets(
     on, off = ([lever for lever in every if (lever.group in groups) == state] for state in (True, False))
     today = _judged(design, [()])[0]
     alone = _judged(design, [(lever,) for lever in on if _needs_met(design, (lever,))])
-    singles = tuple(
-        Single(each, because) for each, because in zip(alone, _reasons(design, today, alone), strict=True)
-    )
+    reasons = _reasons(design, today, alone, 1 - reserve)
+    singles = tuple(Single(each, because) for each, because in zip(alone, reasons, strict=True))
     answer = Closing(today, reserve, (), singles, None, ())
     if answer.closes:
         return answer
@@ -324,7 +323,7 @@ def _helps(design: Design, off: Sequence[Lever], nearest: LeverSet) -> Iterator[
             yield best
 
 
-def _reasons(design: Design, today: LeverSet, alone: Iterable[LeverSet]) -> Iterator[str]:
+def _reasons(design: Design, today: LeverSet, alone: Iterable[LeverSet], most: float) -> Iterator[str]:
     """The reason why each lever alone is not enough."""
     tightest = analyse(design).straight_leg().tightest
     shares = tightest.shares if tightest else {}
@@ -332,7 +331,7 @@ def _reasons(design: Design, today: LeverSet, alone: Iterable[LeverSet]) -> Iter
         change, figure = each.worst_ratio / today.worst_ratio - 1, figure_in_sentence(each.tightest)
         lowered = {SENSORS[key] for key, value in each.changes.items() if _lower(design, key, value)} & shares.keys()
         share = sum(shares[source] for source in lowered)
-        if each.worst_ratio <= 1:
+        if each.worst_ratio <= most:
             yield ""
         elif change > _GAIN:
             yield f"worse than today for {figure}"

@@ -40,7 +40,7 @@ def ratios_of(design: Design, x: Inputs) -> dict[str, Array]:
     """As `ratios`, from inputs made before."""
     allowed: dict[str, Array | float] = dict(limits(design))
     given = design.requirements.path_before_autofocus
-    if x.left is not None and x.half_cell is not None and design.autofocus.migration == "stays":
+    if x.residual is not None and x.half_cell is not None and design.autofocus.migration == "stays":
         cell = x.half_cell if given is None else np.minimum(x.half_cell, given)  # it may follow the resolution
         allowed["path_before_autofocus"] = cell / design.requirements.confidence
     return {name: sigma / allowed[name] for name, sigma in figures(x, list(allowed)).items()}

@@ -227,11 +227,11 @@ def figures(variances: FloatArray, x: Inputs, rest: FloatArray) -> Mapping[str, 
     image, track = ({kind: variances[..., places[n]] for kind, places in _TURN.items()} for n in (0, 1))
     path = image["quadratic"]
     before = {"phase_before_autofocus": phase * path, "path_before_autofocus": path}
-    if (left := x.left) is not None:
+    if (residual := x.residual) is not None:
         beyond = sum(variances[..., n] / (2 * n + 1) for n in range(4, ORDERS)) + rest
 
         def of(parts: Mapping[str, FloatArray], beyond: FloatArray | float) -> tuple[FloatArray, ...]:
-            measures = zip(left.quadratic, left.cubic, left.beyond, strict=True)
+            measures = zip(residual.quadratic, residual.cubic, residual.beyond, strict=True)
             return tuple(phase * (q * parts["quadratic"] + c * parts["cubic"] + b * beyond) for q, c, b in measures)
 
         whole, of_sight, of_track = of(image, beyond), of(sight, beyond), of(track, 0.0)

@@ -228,7 +228,7 @@ def _nodes(
     """Times of the nodes: the anchors, and between them as many as turns, aperture and correlation times need."""
     times = [error.time / 5.0 for error in states.drives if error.time > 0.0]
     x = spec.inputs
-    order = x.autofocus_order if x.left is None else x.left.order
+    order = x.autofocus_order if x.residual is None else x.residual.order
     longest = max(min([1.0, float(x.aperture) / _APERTURE_PARTS[order], *times]), _DENSEST)
     grid = np.union1d(np.arange(0.0, anchors[-1], 0.25), anchors)
     rate = np.linalg.norm(trajectory.evaluate(grid, 1)[:, 3:], axis=1)

@@ -52,11 +52,11 @@ def _taken_for_white(spec: CovarianceSpec) -> Iterator[str]:
             continue
         all_slow = replace(aids, **{f"{aid}_noise": _WHITE * whole, f"{aid}_slow_noise": whole})
         show = quantity(f"trajectory.{aid}_noise").show
-        stays = quantity(f"trajectory.{aid}_correlation_time").show(time, 3)
+        duration = quantity(f"trajectory.{aid}_correlation_time").show(time, 3)
         yield (
             f"The {show(whole, 3)} of {sensor} are taken for white noise, which leaves "
             f"{show(_settled(spec, aids)[state], 3)} of {figure} while fixes come. Most of such an accuracy stays: "
-            f"with the whole of it slow over {stays} (trajectory.{aid}_slow_noise) that is "
+            f"with the whole of it slow over {duration} (trajectory.{aid}_slow_noise) that is "
             f"{show(_settled(spec, all_slow)[state], 3)}."
         )
 

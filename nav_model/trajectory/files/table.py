@@ -115,9 +115,9 @@ def in_two_columns(content: bytes, heights: Heights) -> bytes:
     return mark.join(named) + b"\n" + row.sub(rb"\1\2" + mark + rb"\3", below)
 
 
-def _recorded(table: NumberTable, heights: Heights, found: _Columns) -> RecordedSegment:
-    columns, reference = dict(found.taken), found.reference
-    read = _read(table, columns, _of_one_quality(table, heights, found))
+def _recorded(table: NumberTable, heights: Heights, roles: _Columns) -> RecordedSegment:
+    columns, reference = dict(roles.taken), roles.reference
+    read = _read(table, columns, _of_one_quality(table, heights, roles))
     whole = np.isfinite(read.values).all(axis=1)
     if empty := int(np.sum(~whole)):
         heights.note(f"{counted(empty, 'row')} with empty fields left out")
@@ -163,7 +163,7 @@ def _recorded(table: NumberTable, heights: Heights, found: _Columns) -> Recorded
     up = values.get("height", np.zeros(len(lines))) + heights.above_ellipsoid(0.0, reference, f"line {lines[0]}")
     attitude = [np.degrees(values[key]) for key in _ATTITUDE if key in values]
     heights.note(f"{counted(len(lines), 'recorded row')} of {', '.join(c.header for c in columns.values())}")
-    found.name_unused(heights)
+    roles.name_unused(heights)
     return RecordedSegment("", np.column_stack([unrolled(time, heights), latitude, longitude, up, *attitude]))
 
 
@@ -181,30 +181,30 @@ def _degrees(values: Mapping[str, Array], key: str) -> Array:
     return np.degrees(np.copysign(whole, values[key]))
 
 
-def _of_one_quality(table: NumberTable, heights: Heights, found: _Columns) -> tuple[int, str] | None:
+def _of_one_quality(table: NumberTable, heights: Heights, roles: _Columns) -> tuple[int, str] | None:
     """The column of the quality of a fix and the text of most rows, where others are few: these are pauses."""
-    if found.quality is None:
+    if roles.quality is None:
         return None
-    (tally,) = table.tally([found.quality.place], _MOST_QUALITIES)
+    (tally,) = table.tally([roles.quality.place], _MOST_QUALITIES)
     usual = max(tally, key=tally.__getitem__, default="")
     if len(tally) < 2 or tally[usual] < _USUAL_SHARE * sum(tally.values()):
         return None
     others = ", ".join(sorted(text for text in tally if text != usual))
-    heights.note(f"rows with {found.quality.header} {usual} alone; those with {others} left out")
-    return found.quality.place, usual
+    heights.note(f"rows with {roles.quality.header} {usual} alone; those with {others} left out")
+    return roles.quality.place, usual
 
 
-def _waypoints(table: NumberTable, heights: Heights, found: _Columns) -> tuple[Waypoint, ...]:
+def _waypoints(table: NumberTable, heights: Heights, roles: _Columns) -> tuple[Waypoint, ...]:
     """The places of a table without times, in their order; legs that are short beside the longest are no lines."""
-    if found.taken.keys() & {"x", "latitude'"} or not any(map(_WAYPOINT.match, found.header)):
+    if roles.taken.keys() & {"x", "latitude'"} or not any(map(_WAYPOINT.match, roles.header)):
         advice = "Name a column waypoint if these are places to be flown, else give a path as KML or GPX."
         raise heights.refuse(f"has no column with the time, such as time_s. {advice}")
-    read = _read(table, found.taken)
+    read = _read(table, roles.taken)
     points = []
     for row, line in zip(read.values, read.lines, strict=True):
-        north, east, *up = (column.size * value for column, value in zip(found.taken.values(), row, strict=True))
+        north, east, *up = (column.size * value for column, value in zip(roles.taken.values(), row, strict=True))
         place = math.degrees(north), math.degrees(east), *(up or [None])
-        points.append(heights.waypoint(place, found.reference, f"line {line}"))
+        points.append(heights.waypoint(place, roles.reference, f"line {line}"))
     legs = [
         math.dist((a.latitude, a.longitude * math.cos(a.latitude)), (b.latitude, b.longitude * math.cos(a.latitude)))
         for a, b in pairwise(points)
@@ -212,11 +212,11 @@ def _waypoints(table: NumberTable, heights: Heights, found: _Columns) -> tuple[W
     lines = [leg > max(legs) / 3.0 for leg in legs]
     names = iter(range(1, len(points)))
     heights.note(
-        f"{counted(len(points), 'waypoint')} of {', '.join(column.header for column in found.taken.values())}"
+        f"{counted(len(points), 'waypoint')} of {', '.join(column.header for column in roles.taken.values())}"
     )
     if not all(lines):
         heights.note("legs shorter than a third of the longest are turns between lines")
-    found.name_unused(heights)
+    roles.name_unused(heights)
     named = [f"line {next(names)}" if line else "" for line in lines]
     return tuple(replace(point, line=name) for point, name in zip(points, [*named, ""], strict=True))
 

@@ -209,6 +209,10 @@ def test_a_reserve_is_a_margin_that_every_set_keeps() -> None:
     assert answer.sets
     assert min(each.margin for each in answer.sets) >= 0.05
     assert ["Process after the flight", "DGNSS"] not in names_of(answer.sets)
+    strict = closing_sets(example("mems_x_band"), reserve=0.6)  # the Primus 200 alone keeps 51 %
+    why = {each.lever.name: each.because for each in strict.alone}
+    assert why["LN-100"] == ""
+    assert why["Sagem Primus 200"] == "not enough for detrended phase"
     assert closing_sets(example("tactical_x_band"), reserve=0.0).closes
 
 
