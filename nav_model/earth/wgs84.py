@@ -70,3 +70,14 @@ def geodetic(place: Any) -> Any:
     radius = curvature_radii(sine)[1]
     height = from_axis * np.cos(latitude) + z * sine - radius * (1.0 - ECCENTRICITY_SQUARED * sine**2)
     return np.column_stack([latitude, np.arctan2(y, x), height])
+
+
+def central(place: Any) -> Any:
+    """Metres from the Earth's centre (ECEF) of places (n, 3), latitude, longitude [rad], height [m]: the inverse of
+    `geodetic`."""
+    latitude, longitude, height = np.asarray(place, dtype=np.float64).T
+    sine, cosine = np.sin(latitude), np.cos(latitude)
+    radius = curvature_radii(sine)[1]
+    from_axis = (radius + height) * cosine
+    up = (radius * (1.0 - ECCENTRICITY_SQUARED) + height) * sine
+    return np.column_stack([from_axis * np.cos(longitude), from_axis * np.sin(longitude), up])

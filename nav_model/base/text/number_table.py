@@ -33,7 +33,7 @@ _LONGEST_LINE = 100_000
 _EMPTY = frozenset(("", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "nat"))
 _TIME_OF_DAY = re.compile(r"(?:.*[ T])?(\d{1,2})[:.](\d\d)[:.](\d\d(?:[.,]\d*)?)")
 _DURATION = re.compile(r"\s*([-+]?\d+(?:[.,]\d*)?(?:[eE][-+]?\d+)?)\s*s(?:ec)?\s*")
-_SPANS_TWO = re.compile(r"gps|gpst|utc|time|date", re.IGNORECASE)
+_SPANS_TWO = re.compile(r"gps|gpst|utc|jst|time|date", re.IGNORECASE)
 _COMMA_NUMBER = re.compile(r"\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*")
 _IN_THREE = re.compile(r"""(.+?)\s*[\[({]\s*(?:d\W*'\W*"?|dms|d\W+m\W+s|°\W*'.*)\W*[\])}]?""", re.IGNORECASE)
 """A name of an angle in degrees, minutes and seconds, which are three fields."""

@@ -1,6 +1,7 @@
 """SBET: what an inertial post-processor writes, told from other files by its content."""
 
 import math
+from mmap import mmap
 
 import numpy as np
 
@@ -10,19 +11,20 @@ from nav_model.trajectory.files.heights import Heights
 from nav_model.trajectory.files.recorded import as_flown, unrolled
 from nav_model.trajectory.plan import PlannedFlight
 
-_DOUBLES = 17  # in a record
-_ACCURACIES = 10  # in a record of smrmsg
+DOUBLES, ACCURACIES = 17, 10
+"""In a record of SBET, and of smrmsg."""
+Buffer = bytes | memoryview | mmap
 _LOOKED_AT = 2000  # records
 _MOVING = 1.0  # m/s
 _LARGEST_ANGLE = 4.0 * math.pi  # rad, of a heading that counts its turns, less a wander angle
 
 
 @np.errstate(invalid="ignore", over="ignore")
-def name_of(content: bytes) -> str:
+def name_of(content: Buffer, order: str = "<") -> str:
     """SBET, or smrmsg, the accuracies of one, where records of doubles make sense: time that goes on, then places on
-    the Earth or standard deviations; empty for any other file."""
-    records, accuracies = (_records(content, doubles)[:_LOOKED_AT] for doubles in (_DOUBLES, _ACCURACIES))
-    whole, deviations = not len(content) % (8 * _ACCURACIES), accuracies[:, 1:]
+    the Earth or standard deviations; empty for any other file. order: of the bytes, "<" or ">"."""
+    records, accuracies = (records_of(content, doubles, order)[:_LOOKED_AT] for doubles in (DOUBLES, ACCURACIES))
+    whole, deviations = not memoryview(content).nbytes % (8 * ACCURACIES), accuracies[:, 1:]
     if whole and _goes_on(accuracies) and ((deviations >= 0.0) & (deviations < 1e6)).all():
         return "smrmsg"
     return "SBET" if _goes_on(records) and (np.abs(records[:, 1:3]) <= (90.0, 360.0)).all() else ""
@@ -33,15 +35,15 @@ def read_sbet(content: bytes, heights: Heights) -> PlannedFlight:
 
     Raises InputError under the file's name, with the record: no finite numbers, and what `as_flown` refuses.
     """
-    records = _records(content, _DOUBLES)
+    records = records_of(content, DOUBLES)
     if len(broken := np.flatnonzero(~np.isfinite(records[:, :11]).all(axis=1))):
         raise heights.refuse(f"record {broken[0] + 1} has no finite numbers")
     heights.note(f"SBET, {len(records)} records")
-    if rest := len(content) % (8 * _DOUBLES):
+    if rest := len(content) % (8 * DOUBLES):
         heights.note(f"the last record is cut off after {rest} bytes and left out")
     time = unrolled(records[:, 0], heights)
     samples = np.column_stack([time - time[0], records[:, [1, 2, 3, 7, 8]], records[:, 9] - records[:, 10]])
-    if _in_degrees(samples, np.hypot(records[:, 4], records[:, 5])):
+    if in_degrees(samples, np.hypot(records[:, 4], records[:, 5])):
         samples[:, 1:3] = np.radians(samples[:, 1:3])
         heights.note("positions in degrees, as the velocities say")
         if degrees := np.abs(samples[:, 4:]).max() > _LARGEST_ANGLE:
@@ -50,9 +52,10 @@ def read_sbet(content: bytes, heights: Heights) -> PlannedFlight:
     return as_flown(samples, heights, "record")
 
 
-def _records(content: bytes, doubles: int) -> Array:
-    """Whole records of so many doubles."""
-    return np.frombuffer(content, dtype="<f8", count=len(content) // (8 * doubles) * doubles).reshape(-1, doubles)
+def records_of(content: Buffer, doubles: int, order: str = "<") -> Array:
+    """Whole records of so many doubles, not copied."""
+    count = memoryview(content).nbytes // (8 * doubles) * doubles
+    return np.frombuffer(content, dtype=f"{order}f8", count=count).reshape(-1, doubles)
 
 
 def _goes_on(records: Array) -> bool:
@@ -64,7 +67,7 @@ def _goes_on(records: Array) -> bool:
     return bool((np.abs(records[:, 0]) < 1e7).all() and np.median(steps) > 1e-6 and likely.mean() > 0.9)
 
 
-def _in_degrees(samples: Array, speed: Array) -> bool:
+def in_degrees(samples: Array, speed: Array) -> bool:
     """True if latitudes and longitudes are degrees: beyond the poles in radians, or the way between places is that of
     the velocities only so. Without motion they are radians, as the format says."""
     if np.abs(samples[:, 1]).max() > 0.5 * math.pi or np.abs(samples[:, 2]).max() > 2.0 * math.pi:

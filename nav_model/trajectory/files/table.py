@@ -2,13 +2,14 @@
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice, pairwise
 from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nav_model.base.arrays import Array
 from nav_model.base.constants import MEAN_RADIUS
@@ -46,7 +47,7 @@ _FAR_APART = 5.0  # s
 _SLOWEST = 0.02, 1.0  # m/s; slower than the first nothing flies, the second is seldom
 
 
-class _Column(NamedTuple):
+class FlightColumn(NamedTuple):
     """Where a column of a flight is, how well its name fits (0: best), the size of its unit in SI, whether its name
     says the unit, and its name in the file."""
 
@@ -57,19 +58,19 @@ class _Column(NamedTuple):
     header: str
 
 
-class _Columns(NamedTuple):
+class FlightColumns(NamedTuple):
     """Columns that are read by quantity, what the heights are above, all names, the column of a fix's quality, and
     why units of others cannot be read."""
 
-    taken: Mapping[str, _Column]
+    taken: Mapping[str, FlightColumn]
     reference: Reference
     header: Sequence[str]
-    quality: _Column | None
+    quality: FlightColumn | None
     unread: Sequence[str]
 
-    def name_unused(self, heights: Heights) -> None:
-        """Note the columns that are not used, and units that cannot be read."""
-        used = {column.place for column in (*self.taken.values(), *filter(None, [self.quality]))}
+    def name_unused(self, heights: Heights, also: Collection[int] = ()) -> None:
+        """Note the columns that are not used, nor `also` by somebody, and units that cannot be read."""
+        used = {column.place for column in (*self.taken.values(), *filter(None, [self.quality]))}.union(also)
         if others := [cell for place, cell in enumerate(self.header) if place not in used and cell.strip(" -")]:
             heights.note(f"not used: {listed(others)}")
         if self.unread:
@@ -84,10 +85,12 @@ def read_columns(
     Raises InputError under the file's name: a column that is missing, a unit that is not known, what is no number.
     """
     if not any(map(has_trajectory, table.headers)):
-        columns = _columns(table, heights)
-        return (
-            [_recorded(table, heights, columns)] if "time" in columns.taken else _waypoints(table, heights, columns)
-        )
+        roles = flight_columns(table, heights)
+        if "time" not in roles.taken:
+            return _waypoints(table, heights, roles)
+        rows = recorded_rows(table, heights, roles, _of_one_quality(table, heights, roles))[0]
+        roles.name_unused(heights)
+        return [rows]
     samples, lines = trajectory_of(table, FILE_BOUNDS)
     heights.note(f"trajectory file, {counted(len(samples), 'row')}")
     return PlannedFlight(flight_through(samples, lines, heights.file_name), float(samples[-1, 0]), ())
@@ -115,9 +118,29 @@ def in_two_columns(content: bytes, heights: Heights) -> bytes:
     return mark.join(named) + b"\n" + row.sub(rb"\1\2" + mark + rb"\3", below)
 
 
-def _recorded(table: NumberTable, heights: Heights, roles: _Columns) -> RecordedSegment:
+def recorded_rows(
+    table: NumberTable, heights: Heights, roles: FlightColumns, only: tuple[int, str] | None = None
+) -> tuple[RecordedSegment, NDArray[np.int32]]:
+    """The rows of a recording that have time and place, and their lines in the file.
+
+    Parameters
+    ----------
+    table : NumberTable
+        The table.
+    heights : Heights
+        Sentences on how it was read.
+    roles : FlightColumns
+        Its columns, with one of time.
+    only : (int, str), optional
+        A column and the text that it has in the rows that are read.
+
+    Raises
+    ------
+    InputError
+        Under the file's name: no row with time and place, a unit that may be two, what is no number.
+    """
     columns, reference = dict(roles.taken), roles.reference
-    read = _read(table, columns, _of_one_quality(table, heights, roles))
+    read = _read(table, columns, only)
     whole = np.isfinite(read.values).all(axis=1)
     if empty := int(np.sum(~whole)):
         heights.note(f"{counted(empty, 'row')} with empty fields left out")
@@ -163,11 +186,10 @@ def _recorded(table: NumberTable, heights: Heights, roles: _Columns) -> Recorded
     up = values.get("height", np.zeros(len(lines))) + heights.above_ellipsoid(0.0, reference, f"line {lines[0]}")
     attitude = [np.degrees(values[key]) for key in _ATTITUDE if key in values]
     heights.note(f"{counted(len(lines), 'recorded row')} of {', '.join(c.header for c in columns.values())}")
-    roles.name_unused(heights)
-    return RecordedSegment("", np.column_stack([unrolled(time, heights), latitude, longitude, up, *attitude]))
+    return RecordedSegment("", np.column_stack([unrolled(time, heights), latitude, longitude, up, *attitude])), lines
 
 
-def _read(table: NumberTable, columns: Mapping[str, _Column], only: tuple[int, str] | None = None) -> Columns:
+def _read(table: NumberTable, columns: Mapping[str, FlightColumn], only: tuple[int, str] | None = None) -> Columns:
     readers: dict[int, Reader] = {column.place: angle_of for key, column in columns.items() if key in _ANGLES}
     if "time" in columns:
         readers[columns["time"].place] = seconds_of
@@ -181,7 +203,7 @@ def _degrees(values: Mapping[str, Array], key: str) -> Array:
     return np.degrees(np.copysign(whole, values[key]))
 
 
-def _of_one_quality(table: NumberTable, heights: Heights, roles: _Columns) -> tuple[int, str] | None:
+def _of_one_quality(table: NumberTable, heights: Heights, roles: FlightColumns) -> tuple[int, str] | None:
     """The column of the quality of a fix and the text of most rows, where others are few: these are pauses."""
     if roles.quality is None:
         return None
@@ -194,7 +216,7 @@ def _of_one_quality(table: NumberTable, heights: Heights, roles: _Columns) -> tu
     return roles.quality.place, usual
 
 
-def _waypoints(table: NumberTable, heights: Heights, roles: _Columns) -> tuple[Waypoint, ...]:
+def _waypoints(table: NumberTable, heights: Heights, roles: FlightColumns) -> tuple[Waypoint, ...]:
     """The places of a table without times, in their order; legs that are short beside the longest are no lines."""
     if roles.taken.keys() & {"x", "latitude'"} or not any(map(_WAYPOINT.match, roles.header)):
         advice = "Name a column waypoint if these are places to be flown, else give a path as KML or GPX."
@@ -221,7 +243,7 @@ def _waypoints(table: NumberTable, heights: Heights, roles: _Columns) -> tuple[W
     return tuple(replace(point, line=name) for point, name in zip(points, [*named, ""], strict=True))
 
 
-def _columns(table: NumberTable, heights: Heights) -> _Columns:
+def flight_columns(table: NumberTable, heights: Heights) -> FlightColumns:
     """The columns of a flight. Roll, pitch and yaw are taken together or not at all.
 
     Raises InputError where the table has no names, or none of a place.
@@ -253,7 +275,7 @@ def _columns(table: NumberTable, heights: Heights) -> _Columns:
     reference = _ABOVE[up[0]] if up else "none"
     if up == ["height"] and taken["height"].header.lower().startswith("osd"):  # DJI's is above the place of take-off
         reference = "ground"
-    return _Columns(
+    return FlightColumns(
         taken, "ellipsoid" if "x" in taken else reference, header, columns.get("quality"), tuple(unread.values())
     )
 
@@ -274,7 +296,7 @@ def _no_places(table: NumberTable, unread: Mapping[str, str]) -> str:
     return missing
 
 
-def _meaning(cell: str, place: int, unread: dict[str, str]) -> tuple[str, _Column] | None:
+def _meaning(cell: str, place: int, unread: dict[str, str]) -> tuple[str, FlightColumn] | None:
     """Quantity and column of a flight, where the name is known; why its unit cannot be read into `unread`."""
     for name, unit, sure in parted(cell.strip()):
         plain = re.sub(r"[\W\d_]", "", _PREFIX.sub("", name.lower()))
@@ -282,7 +304,7 @@ def _meaning(cell: str, place: int, unread: dict[str, str]) -> tuple[str, _Colum
         if not key:
             continue
         if key == "quality":
-            return key, _Column(rank, False, place, 1.0, cell)
+            return key, FlightColumn(rank, False, place, 1.0, cell)
         dimension, usual = _USUAL.get(key, ("length", "m"))
         if key == "sea" and re.search("wgs|ellips", unit.lower()):
             key = "ellipsoid"
@@ -293,7 +315,7 @@ def _meaning(cell: str, place: int, unread: dict[str, str]) -> tuple[str, _Colum
             unread[key] = f"column {cell}: {unit!r} is not a unit of {dimension}. Write for example {usual}."
             return None
         if size is not None:
-            return key, _Column(rank, not stated and plain != "itow", place, size, cell)
+            return key, FlightColumn(rank, not stated and plain != "itow", place, size, cell)
     return None
 
 

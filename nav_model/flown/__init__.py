@@ -1,0 +1,1 @@
+"""A flight that was flown, held against the budget."""

@@ -1,0 +1,1 @@
+"""Solutions of navigation from the files of receivers, autopilots and post-processors."""

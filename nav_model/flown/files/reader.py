@@ -1,0 +1,133 @@
+"""A solution of a navigation system from a file of any kind, told by what it holds."""
+
+import mmap
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from nav_model.base.errors import InputError
+from nav_model.base.text.file_kind import kind_of
+from nav_model.base.text.number_table import open_table
+from nav_model.earth.wgs84 import metres_per_radian
+from nav_model.flown.files.accuracies import claims_of
+from nav_model.flown.files.rtklib import is_pos, read_pos
+from nav_model.flown.files.sbet import add_accuracies, read_sbet
+from nav_model.flown.files.table import read_table
+from nav_model.flown.solution import Solution
+from nav_model.simulation.trajectory import FILE_BOUNDS
+from nav_model.trajectory.files.epochs import Epochs
+from nav_model.trajectory.files.heights import Heights
+from nav_model.trajectory.files.sbet import ACCURACIES, Buffer, name_of
+
+KINDS = "SBET, RTKLIB .pos, or a table with named columns"
+_GIVE = f"Give {KINDS}."
+_AT_REST = 5.0  # m
+Source = str | Path | bytes
+
+
+def read_solution(
+    source: Source,
+    companions: Sequence[Source] = (),
+    columns: Sequence[str] = (),
+    name: str = "",
+    heights: tuple[float | None, float | None] = (None, None),
+) -> Solution:
+    """Read a solution from a file, or from its content.
+
+    Parameters
+    ----------
+    source : path or bytes
+        The file: a path, of which an SBET may have any size, or the bytes of it.
+    companions : sequence of path or bytes, optional
+        Files that belong to it: the smrmsg of an SBET, in any order with it.
+    columns : sequence of str, optional
+        Names of a table's columns in place of those in the file; "-" for one that is not used.
+    name : str, optional
+        Of bytes, for messages.
+    heights : (float, float), optional
+        Of places without a height, and of the ground where heights are above it [m above the ellipsoid].
+
+    Returns
+    -------
+    Solution
+        Times, places and what else the file has.
+
+    Raises
+    ------
+    InputError
+        Under the file's name: what is wrong and where, or what the file is when it is no solution.
+    OSError
+        Where it cannot be read.
+    """
+    files = [_File(source, name or "solution"), *(_File(c, f"companion {n}") for n, c in enumerate(companions, 1))]
+    if len(files) > 1 and files[0].is_smrmsg:  # the two in the other order
+        files.sort(key=lambda file: file.is_smrmsg)
+    file, *beside = files
+    notes = Heights(file.name, *heights)
+    epochs = _epochs(file, notes, columns).in_order(notes)
+    for other in beside:
+        if not other.is_smrmsg or epochs.format != "sbet":
+            reason = f"does not belong to {file.name}. Only an SBET has a second file, its smrmsg."
+            raise InputError(other.name, reason)
+        epochs = add_accuracies(epochs, other.content, notes, other.name)
+    return _solution(epochs, notes)
+
+
+class _File:
+    """A file's name and content; of a path, content stays on the disk until it is read."""
+
+    def __init__(self, source: Source, name: str) -> None:
+        self.name = name
+        self.content: Buffer = source if isinstance(source, bytes) else b""
+        if not isinstance(source, bytes):
+            path = Path(source)
+            self.name = path.name
+            if path.exists() and not path.is_file():
+                raise InputError(self.name, f"is no file. {_GIVE}")
+            with path.open("rb") as file:
+                if path.stat().st_size:
+                    self.content = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+        self.size = len(self.content)
+        # A smrmsg that was cut off is one still.
+        whole = self.size // (8 * ACCURACIES) * 8 * ACCURACIES
+        self.is_smrmsg = name_of(memoryview(self.content)[:whole]) == "smrmsg"
+
+
+def _epochs(file: _File, heights: Heights, columns: Sequence[str]) -> Epochs:
+    if not file.size:
+        raise heights.refuse("the file is empty")
+    if file.is_smrmsg:
+        raise heights.refuse("is smrmsg, the accuracies that belong to an SBET file. Give the SBET file with it.")
+    for order in "<>":
+        if name_of(file.content, order) == "SBET":
+            return read_sbet(file.content, heights, order)
+    if file.size > FILE_BOUNDS.most_bytes:
+        raise heights.refuse(f"larger than {FILE_BOUNDS.most_bytes // 1_000_000} MB. Cut it.")
+    content = bytes(file.content)
+    if not content.strip():
+        raise heights.refuse("the file is empty")
+    if (kind := kind_of(content)) is not None:
+        raise heights.refuse(f"is {'no text and no SBET' if kind == 'not text' else kind}. {_GIVE}")
+    try:
+        table = open_table(content, file.name)
+    except InputError as error:
+        raise heights.refuse(f"{error.reason} {_GIVE}") from error
+    if is_pos(content):
+        return read_pos(table, heights)
+    return read_table(table.named(columns) if columns else table, heights)
+
+
+def _solution(epochs: Epochs, notes: Heights) -> Solution:
+    place = np.column_stack([epochs.place[:, 0], np.unwrap(epochs.place[:, 1]), epochs.place[:, 2]])
+    north, east = metres_per_radian(place[0, 0], place[0, 2])
+    way = (np.ptp(place, axis=0) * (north, east, 1.0)).max()
+    attitude = epochs.attitude
+    if attitude is not None:
+        attitude = np.column_stack([np.unwrap(attitude[:, 0]), attitude[:, 1], np.unwrap(attitude[:, 2])])
+    claims = claims_of(epochs, notes)
+    still = [f"this is no flight: all places are within {way:.2g} m"] if way < _AT_REST else []
+    return Solution(
+        epochs.format, epochs.kind, epochs.time, epochs.clock, place, epochs.velocity, attitude, claims,
+        epochs.fix, epochs.fix_names, epochs.smoothing, (*still, *notes.notes),
+    )  # fmt: skip

@@ -1,0 +1,108 @@
+"""Solutions from real files of post-processors: values that others read from them, and motion that agrees."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nav_model.base.errors import InputError
+from nav_model.earth.wgs84 import metres_per_radian
+from nav_model.flown.files.reader import read_solution
+from nav_model.flown.solution import Solution
+
+DATA = Path(__file__).parents[4] / "shared/data"
+SBET, PDAL = DATA / "flight/sbet/leeward_sbet_rec0-99.out", DATA / "flight/sbet/pdal_2-points.sbet"
+SMRMSG = DATA / "flight/sbet/smrmsg_pdal_rec0-10950.out"
+POS = DATA / "flight/rtklib/demo5_b34f_f.pos"
+real = pytest.mark.skipif(not DATA.exists(), reason="../shared/data (real flights) is absent")
+
+
+def moved(solution: Solution) -> np.ndarray:
+    """Velocity north, east, down of the places alone."""
+    place = solution.place
+    scale = np.column_stack([*metres_per_radian(place[:-1, 0], place[:-1, 2]), -np.ones(len(place) - 1)])
+    return np.diff(place, axis=0) * scale / np.diff(solution.time_s)[:, None]
+
+
+def sbet(rows: int = 400, **columns: np.ndarray | float) -> np.ndarray:
+    """An SBET of a flight at 60 m/s to the north-east, level, 200 Hz, with wander zero."""
+    records = np.zeros((rows, 17))
+    records[:, 0] = 400_000.0 + 0.005 * np.arange(rows)
+    north, east = metres_per_radian(0.82, 1000.0)
+    way = 60.0 * np.sqrt(0.5) * 0.005 * np.arange(rows)
+    records[:, 1:4] = np.column_stack([0.82 + way / north, 0.15 + way / east, np.full(rows, 1000.0)])
+    records[:, 4], records[:, 5], records[:, 9] = 60.0 * np.sqrt(0.5), -60.0 * np.sqrt(0.5), np.pi / 4
+    for name, value in columns.items():
+        records[:, int(name[1:])] = value
+    return records
+
+
+@real
+def test_velocities_of_an_sbet_are_those_of_its_places() -> None:
+    flight = read_solution(SBET)
+    assert (flight.format, flight.kind, flight.clock, len(flight.time_s)) == (
+        "sbet", "post-processed", "gps week seconds", 100,
+    )  # fmt: skip
+    assert flight.rate_hz == pytest.approx(200.0, abs=0.01)
+    assert flight.velocity is not None
+    middle = 0.5 * (flight.velocity[1:] + flight.velocity[:-1])
+    assert np.abs((middle - moved(flight)).mean(axis=0)).max() < 0.02  # of 110 m/s; places are to 1e-9 of a radian
+    assert np.linalg.norm(middle, axis=1).mean() == pytest.approx(110.0, abs=1.0)
+
+
+@real
+def test_two_records_have_the_values_that_pdal_expects() -> None:
+    two = read_solution(PDAL)
+    assert two.time_s == pytest.approx([151631.0028360710, 151631.0078318641], abs=1e-9)
+    assert two.place[:, 0] == pytest.approx([0.5680211852972264, 0.5680211834722869], abs=1e-15)
+    assert two.attitude is not None
+    assert two.velocity is not None
+    assert two.attitude[0, 0] == pytest.approx(-0.02813407149321339, abs=1e-15)
+    # Turned by the wander angle by complex numbers, x to the north, y to the west.
+    turned = complex(-2.332420866600025, -0.3335067504871401) * np.exp(-0.02198414736922658j)
+    assert two.velocity[0] == pytest.approx([turned.real, -turned.imag, 0.03093961631767838], abs=1e-12)
+    assert "no flight" in two.notes[0]
+
+
+@real
+def test_accuracies_come_to_the_times_of_the_sbet_from_arc_minutes() -> None:
+    printed = np.loadtxt(SMRMSG.with_suffix(".txt"), skiprows=1, delimiter=",", max_rows=20)
+    records = sbet(rows=2001)
+    records[:, 0] = printed[0, 0] + 0.005 * np.arange(2001)
+    for order in ((records.tobytes(), SMRMSG), (SMRMSG, records.tobytes())):
+        flight = read_solution(order[0], [order[1]])
+        assert flight.claims is not None
+        claims = [flight.claims.position, flight.claims.velocity, np.degrees(flight.claims.attitude) * 60.0]
+        assert np.hstack(claims)[::200] == pytest.approx(printed[:11, 1:], abs=1e-6)
+        assert (flight.claims.kind, flight.smoothing) == ("sigma", "combined")
+    with pytest.raises(InputError, match=r"no time in common with solution .*of one flight"):
+        read_solution(sbet().tobytes(), [SMRMSG])
+    with pytest.raises(InputError, match="is smrmsg, the accuracies that belong to an SBET"):
+        read_solution(SMRMSG)
+    with pytest.raises(InputError, match="does not belong to"):
+        read_solution(SBET, [POS])
+    live = np.zeros((20, 10))
+    live[:, 0], live[:, 1:7], live[:, 7:] = 399_999.0 + np.arange(20), 0.05, 0.02
+    claims = read_solution(sbet().tobytes(), [live.tobytes() + b"cut off"]).claims
+    assert claims is not None
+    assert np.degrees(claims.attitude) == pytest.approx(0.02)
+
+
+@real
+def test_a_solution_of_rtklib_has_its_fixes_and_sigmas() -> None:
+    flight = read_solution(POS)
+    lines = [line.split() for line in POS.read_text().splitlines() if line[0] != "%"]
+    assert (flight.format, flight.kind, flight.clock, flight.smoothing) == (
+        "rtklib",
+        "post-processed",
+        "gps",
+        "forward",
+    )
+    # The header has the week and the seconds of the first and the last epoch.
+    assert flight.time_s[[0, -1]] == pytest.approx([2137 * 604800 + 422922.0, 2137 * 604800 + 427442.0], abs=1e-6)
+    degrees = np.degrees(flight.place[:, :2])
+    assert np.abs(degrees - [[float(line[2]), float(line[3])] for line in lines]).max() < 1e-12
+    assert flight.claims is not None
+    assert flight.claims.position == pytest.approx(np.array([[float(x) for x in line[7:10]] for line in lines]))
+    assert flight.fix is not None
+    assert [flight.fix_names[code] for code in flight.fix] == [{"1": "fixed", "2": "float"}[x[5]] for x in lines]
