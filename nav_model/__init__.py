@@ -27,9 +27,9 @@ from typing import TYPE_CHECKING
 
 __all__ = [
     "Budget", "Design", "InputError", "allocate", "analyse", "analyse_log", "catalogue",
-    "closing_sets", "flight_covariance", "flown", "format_design", "image_study", "invert", "manoeuvres",
+    "closing_sets", "flight_covariance", "format_design", "image_study", "invert", "manoeuvres",
     "parse_design", "rank", "read_design", "read_log", "read_uncertain", "search", "simulation_study", "solve",
-    "trade_map", "uncertain_verdict", "vendor_table",
+    "trade_map", "uncertain_verdict", "vendor_table", "with_flight",
 ]  # fmt: skip
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from nav_model.sar.design_study import image_study
     from nav_model.simulation.design_study import simulation_study
     from nav_model.trajectory.design_study import flight_covariance
-    from nav_model.trajectory.verdict import flown
+    from nav_model.trajectory.verdict import with_flight
 else:
     _HOMES = {
         "Budget": "nav_model.budget",
@@ -67,7 +67,6 @@ else:
         "catalogue": "nav_model.design.catalogue",
         "closing_sets": "nav_model.explore.closing",
         "flight_covariance": "nav_model.trajectory.design_study",
-        "flown": "nav_model.trajectory.verdict",
         "image_study": "nav_model.sar.design_study",
         "invert": "nav_model.explore.vendor_table",
         "manoeuvres": "nav_model.explore.manoeuvre",
@@ -80,6 +79,7 @@ else:
         "trade_map": "nav_model.explore.trade_map",
         "uncertain_verdict": "nav_model.explore.uncertainty",
         "vendor_table": "nav_model.explore.vendor_table",
+        "with_flight": "nav_model.trajectory.verdict",
     }
 
     def __getattr__(name: str) -> object:

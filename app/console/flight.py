@@ -34,9 +34,9 @@ def flown_budget(budget: Budget, options: argparse.Namespace) -> Budget:
 
     if options.no_flight or not flies(budget.design):
         return budget
-    from nav_model.trajectory.verdict import flown  # with Numba, which takes a second
+    from nav_model.trajectory.verdict import with_flight  # with Numba, which takes a second
 
-    return flown(budget)
+    return with_flight(budget)
 
 
 def flight_arguments(parser: argparse.ArgumentParser, usual: str) -> None:

@@ -88,10 +88,10 @@ def flight_of(budget: Budget) -> Flight | None:
     """The checks of a design's flight; None where it has none, or one that cannot be flown. For a worker: seconds."""
     if budget.flight is not None or not flies(budget.design):
         return budget.flight
-    from nav_model.trajectory.verdict import flown  # with Numba, which takes a second
+    from nav_model.trajectory.verdict import with_flight  # with Numba, which takes a second
 
     try:
-        return flown(budget).flight
+        return with_flight(budget).flight
     except InputError:
         return None
 

@@ -76,8 +76,8 @@ class Budget(Mapping[tuple[str, str], Composed]):
 
     ``verdict`` is that of the design's processing and decides; ``other_verdict`` holds the same requirements against
     the other one. ``flight`` has the checks that the design's flight makes, by processing, as
-    `nav_model.trajectory.verdict.flown` gives them; while it is None they are open. Each verdict is computed when it
-    is first read, which raises `InputError` if double precision cannot hold the design's values together;
+    `nav_model.trajectory.verdict.with_flight` gives them; while it is None they are open. Each verdict is computed
+    when it is first read, which raises `InputError` if double precision cannot hold the design's values together;
     `nav_model.budget.analyse` has read what the design's processing needs.
 
     `nav_model.budget.provenance` says which equation each number comes from.

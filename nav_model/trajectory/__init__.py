@@ -11,7 +11,7 @@
     place.py          the place of the image, by the budget's model of it
     result.py         TrajectoryResult and its parts; to_json
     lines.py          the lines of a flight against their limits
-    verdict.py        flown(budget): the checks of the flight in the budget's verdict
+    verdict.py        with_flight(budget): the checks of the flight in the budget's verdict
     line_length.py    the longest line of a plan that holds
     manoeuvre.py      manoeuvres, aids and IMUs that would close the lines of a plan
     residual.py       residual biases along a flight

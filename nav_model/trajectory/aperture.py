@@ -69,19 +69,26 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
     in_middle = np.column_stack([np.interp(begin + half, time_s, axis) for axis in model.truth.velocity.T])
     speed = np.linalg.norm(in_middle[:, :2], axis=1)
     inside = (begin >= 0.0) & (begin + x.aperture <= model.end_s) & (speed > _SLOWEST)
-    output, begin = np.flatnonzero(inside), begin[inside]
+    return apertures_at(model, x, begin[inside], np.flatnonzero(inside))
+
+
+def apertures_at(model: ErrorModel, x: Inputs, begin: FloatArray, output: NDArray[np.int64]) -> Apertures:
+    """The apertures that begin at some times [s] within a flight, each of an output.
+
+    Raises InputError where they are too many and too long.
+    """
+    time_s, half = model.time_s, 0.5 * x.aperture
     first = np.searchsorted(time_s, begin + _ROUNDING, side="right") - 1
     last = np.searchsorted(time_s, begin + x.aperture - _ROUNDING)
     nodes = int(np.max(last - first, initial=0)) + 1
     if len(output) * nodes > _MOST_WEIGHTS:
         reason = f"{len(output)} apertures of {nodes} steps are too many. Give fewer results or a shorter aperture."
         raise InputError("every", reason)
-    weights = np.zeros((len(output), nodes, COLUMNS, 6))
-    sight, across = directions(in_middle[inside], x)
-    # Shift in azimuth by the slope of the error, its Legendre coefficient of order 1. [P-7]
-    turning, along = _turning(speed[inside], _level(in_middle[inside]), sight, x)
-    slope = (2 * x.slant_range / (speed[inside] * math.cos(x.squint) * x.aperture))[:, None]
-    for step in range(weights.shape[1] - 1):
+    in_middle = np.column_stack([np.interp(begin + half, time_s, axis) for axis in model.truth.velocity.T])
+    sums, sight = sums_of(in_middle, x)
+    weights = np.zeros((len(begin), nodes, COLUMNS, 6))
+    flat = np.ascontiguousarray(sums.swapaxes(2, 3)).reshape(-1, 3 * COLUMNS, ORDERS)
+    for step in range(nodes - 1):
         on = np.flatnonzero(first + step < last)
         left, right, start = time_s[first[on] + step], time_s[first[on] + step + 1], begin[on]
         length = right - left
@@ -89,26 +96,54 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
         times = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * _POINTS
         s = (times - left[:, None]) / length[:, None]
         u = (times - start[:, None]) / half - 1.0
-        polynomials = legendre.legvander(u, ORDERS - 1) * (np.arange(ORDERS) + 0.5)  # (apertures, points, orders)
-        measure = 0.5 * (high - low)[:, None] * _WEIGHTS / half
+        measured = legendre_of(u) * (0.5 * (high - low)[:, None] * _WEIGHTS / half)[:, :, None]
         h = length[:, None]
-        position, velocity = slice(3), slice(3, 6)
-        for offset, states, function in (
-            (0, position, 1 - 3 * s**2 + 2 * s**3),
-            (0, velocity, h * (s - 2 * s**2 + s**3)),
-            (1, position, 3 * s**2 - 2 * s**3),
-            (1, velocity, h * (s**3 - s**2)),
-        ):
-            each = np.einsum("ap,apm->am", measure * function, polynomials)
-            weights[on, step + offset, :ORDERS, states] += each[:, :, None] * sight[on, None]
-            moved = each[:, :1] * across[on] - slope[on] * each[:, 1:2] * sight[on]
-            weights[on, step + offset, ORDERS, states] += moved
-            for of_image, of_track, functionals in _TURN.values():
-                parts = each @ functionals.T  # of p, x p and x² p
-                weights[on, step + offset, of_image, states] += np.einsum("ak,akj->aj", parts, turning[on])
-                weights[on, step + offset, of_track, states] += parts[:, 1:2] * along[on]
-    weights[:, :, -1] = weights[:, :, 0] + weights[:, :, ORDERS]
+        of_ends = (1 - 3 * s**2 + 2 * s**3, h * (s - 2 * s**2 + s**3), 3 * s**2 - 2 * s**3, h * (s**3 - s**2))
+        each = measured.swapaxes(1, 2) @ np.stack(of_ends, axis=2)  # (apertures, ORDERS, position and velocity twice)
+        of_sums = (flat[on] @ each).reshape(len(on), COLUMNS, 3, 4)
+        for end in (0, 1):
+            for states, function in ((slice(3), 2 * end), (slice(3, 6), 2 * end + 1)):
+                weights[on, step + end, :, states] += of_sums[..., function]
     return Apertures(output, begin, sight, first, last, weights)
+
+
+def legendre_of(u: FloatArray) -> FloatArray:
+    """Legendre polynomials at places -1 to 1 of an aperture (..., ORDERS): their integral with a function is that
+    function's coefficient."""
+    return np.asarray(legendre.legvander(u, ORDERS - 1) * (np.arange(ORDERS) + 0.5))
+
+
+def sums_of(in_middle: FloatArray, x: Inputs) -> tuple[FloatArray, FloatArray]:
+    """What the sums of apertures are, in the Legendre coefficients of the position error along each axis.
+
+    Parameters
+    ----------
+    in_middle : array (apertures, 3)
+        Velocity in the middle of each, NED [m/s].
+    x : Inputs
+
+    Returns
+    -------
+    array (apertures, COLUMNS, ORDERS, 3)
+        Weights of the coefficients in each sum.
+    array (apertures, 3)
+        Lines of sight.
+    """
+    sight, across = directions(in_middle, x)
+    speed = np.linalg.norm(in_middle[:, :2], axis=1)
+    turning, along = _turning(speed, _level(in_middle), sight, x)
+    sums = np.zeros((len(in_middle), COLUMNS, ORDERS, 3))
+    for order in range(ORDERS):
+        sums[:, order, order] = sight
+    # Shift in azimuth by the slope of the error, its Legendre coefficient of order 1. [P-7]
+    slope = 2 * x.slant_range / (speed * math.cos(x.squint) * x.aperture)
+    sums[:, ORDERS, 0] = across
+    sums[:, ORDERS, 1] = -slope[:, None] * sight
+    for of_image, of_track, functionals in _TURN.values():  # of p, x p and x² p
+        sums[:, of_image] = np.einsum("jk,ajx->akx", functionals, turning)
+        sums[:, of_track] = functionals[1][:, None] * along[:, None]
+    sums[:, -1] = sums[:, 0] + sums[:, ORDERS]
+    return sums, sight
 
 
 def directions(velocity: FloatArray, x: Inputs) -> tuple[FloatArray, FloatArray]:

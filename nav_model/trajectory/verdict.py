@@ -24,7 +24,7 @@ _OF_STATES = {REAL_TIME: "[P-13]", POST_PROCESSED: "[P-14]"}
 _OF_IMAGES = "[P-15]"
 
 
-def flown(budget: Budget, most_steps: int = MOST_STEPS) -> Budget:
+def with_flight(budget: Budget, most_steps: int = MOST_STEPS) -> Budget:
     """The budget with the checks of its design's flight, in both processings; as it is where no flight judges.
 
     Raises
@@ -34,10 +34,10 @@ def flown(budget: Budget, most_steps: int = MOST_STEPS) -> Budget:
 
     Examples
     --------
-    >>> from nav_model import analyse, flown, read_design
+    >>> from nav_model import analyse, with_flight, read_design
     >>> design = read_design("examples/mems_x_band.toml")
     >>> design = design.replace({"requirements.heading": 0.001, "trajectory.duration": 60.0})
-    >>> check = flown(analyse(design)).verdict.checks[-1]
+    >>> check = with_flight(analyse(design)).verdict.checks[-1]
     >>> check.name, check.state, check.judged
     ('heading', 'not met', 'flight')
     """

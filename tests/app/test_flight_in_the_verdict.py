@@ -30,7 +30,7 @@ from app.subjects.trajectory.tables import line_list, line_table, verdict
 from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.sar.design_study import closed_forms
-from nav_model.trajectory.verdict import flown
+from nav_model.trajectory.verdict import with_flight
 
 pytestmark = pytest.mark.long
 _PLAN = {"trajectory.flight": "lines", "trajectory.lines": 2.0, "trajectory.length": 2000.0}
@@ -84,7 +84,7 @@ async def test_heading_is_open_until_it_is_flown_and_then_fails_everywhere(fligh
     assert "being computed" in session.flight_words
     budget = await session.with_flight()
     assert session.flight_words == ""
-    assert flown(analyse(session.design)).verdict.state == "fails"
+    assert with_flight(analyse(session.design)).verdict.state == "fails"
     assert budget.verdict.failing == ("heading",)
     assert _tones(session) - {"✓"} == {"bad", "✗", "tile not met", "row ✗ not met", "open"}  # ✓: post-processed
     (tile,) = (figure for figure in key_figures(budget).items if figure.label == "Heading")
@@ -189,7 +189,7 @@ async def test_no_page_is_green_beside_a_red_one(flights: list[Design], changes:
         "budget": verdict_strip(budget),
         "flight": verdict(page.run.result),
         "image": image_answer(budget, closed_forms(budget), None),
-        "command": verdict_strip(flown(analyse(session.design))),
+        "command": verdict_strip(with_flight(analyse(session.design))),
     }
     assert len({(answer.word, answer.tone) for answer in answers.values()}) == 1, answers
     assert page._strip._view.css_classes == [verdict_strip(budget).tone]

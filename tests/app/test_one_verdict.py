@@ -30,7 +30,7 @@ from nav_model.design import Design
 from nav_model.design.figures import IN_FLIGHT
 from nav_model.design.file import format_design
 from nav_model.design.trajectory import LIMITED, row_of
-from nav_model.trajectory.verdict import flown
+from nav_model.trajectory.verdict import with_flight
 
 _FLIGHTS = ("lines", "waypoints", "wandering", "straight", "turns", "climb")
 
@@ -125,7 +125,7 @@ def test_a_design_and_its_flight_have_one_verdict(
         path = tmp_path / f"{number}.toml"
         path.write_text(format_design(design), encoding="utf-8")
         try:
-            budget, refused = flown(analyse(design)), ""
+            budget, refused = with_flight(analyse(design)), ""
         except InputError as error:
             budget, refused = analyse(design), error.key
         if refused:

@@ -20,7 +20,7 @@ from nav_model.design.user_entries import read_entries
 from nav_model.trajectory import verdict as of_flight
 from nav_model.trajectory.covariance import covariance, figures_on_lines
 from nav_model.trajectory.design_study import along_flight, planned
-from nav_model.trajectory.verdict import checks_of, flown
+from nav_model.trajectory.verdict import checks_of, with_flight
 
 pytestmark = pytest.mark.long
 
@@ -62,7 +62,7 @@ def test_the_line_that_is_worst_beside_its_own_limit_decides(values: dict[str, f
         {"line": "line 1", "detrended_phase": 0.5 * values["detrended_phase 1"], "ce90": 1e3},
         {"line": "line 2", "tilt": 1.0},
     )
-    budget = flown(analyse(case))
+    budget = with_flight(analyse(case))
     each = checks(budget)
     assert list(each) == [*check_names(case)] == ["detrended_phase", "le90", "tilt", "ce90"]
     phase, tilt, place = each["detrended_phase"], each["tilt"], each["ce90"]
@@ -93,17 +93,17 @@ def checks_on_a_straight_leg(case: Design) -> dict[str, float]:
 
 def test_a_line_without_an_aperture_is_refused_and_not_where_no_image_is_limited() -> None:
     short = design({"detrended_phase": 1e3, "tilt": 1.0, "le90": 1e3}, trajectory__length=300.0)
-    each = checks(flown(analyse(short)))
+    each = checks(with_flight(analyse(short)))
     assert {name: check.state for name, check in each.items()} == {
         "detrended_phase": "refused", "le90": "met", "tilt": "met",
     }  # fmt: skip
     refused = each["detrended_phase"]
     assert (refused.reason, refused.judged) == ("line 1 is too short for an aperture of 5 s", "line 1")
     assert math.isnan(refused.value)
-    verdict = flown(analyse(short)).verdict
+    verdict = with_flight(analyse(short)).verdict
     assert (verdict.state, verdict.open, verdict.closes) == ("open", ("detrended_phase",), False)
     assert verdict.tightest is not None
-    alone = flown(analyse(short.replace({"requirements.detrended_phase": None}))).verdict
+    alone = with_flight(analyse(short.replace({"requirements.detrended_phase": None}))).verdict
     assert alone.state == "closes"
 
 
@@ -119,7 +119,7 @@ def test_a_figure_that_the_flight_does_not_tell_is_refused_by_name(monkeypatch: 
         return replace(along, figures=parts)
 
     monkeypatch.setattr(of_flight, "figures_on_lines", without)
-    each = checks(flown(analyse(design({"ce90": 1e3, "tilt": 1.0}))))
+    each = checks(with_flight(analyse(design({"ce90": 1e3, "tilt": 1.0}))))
     assert (each["ce90"].state, each["tilt"].state) == ("refused", "met")
     assert each["ce90"].reason == "line 1 has no CE90, which no flight tells"
 
@@ -135,7 +135,7 @@ def test_a_limit_of_ones_own_is_judged_on_the_flight_and_one_on_a_contributor_is
             ],
         }
     )
-    budget = flown(analyse(design({}).replace({}, entries=entries)))
+    budget = with_flight(analyse(design({}).replace({}, entries=entries)))
     each = checks(budget)
     assert {name: check.judged == "straight leg" for name, check in each.items()} == {
         "half": False, "the mast": True, "later": True,
@@ -148,28 +148,28 @@ def test_without_a_plan_only_what_a_straight_leg_does_not_tell_is_flown() -> Non
     plain = design({"tilt": 1.0, "detrended_phase": 1e3}, trajectory__flight="none")
     assert flown_names(plain) == ()
     budget = analyse(plain)
-    assert flown(budget) is budget
+    assert with_flight(budget) is budget
     assert budget.verdict.closes
     heading = plain.replace({"requirements.heading": 0.01, "trajectory.duration": 60.0})
     assert flown_names(heading) == ("heading",)
     before = analyse(heading)
     assert (before.verdict.state, before.verdict.open) == ("open", ("heading",))
-    after = flown(before).verdict
+    after = with_flight(before).verdict
     assert [check.judged for check in after.checks] == ["straight leg", "straight leg", "flight"]
     named = plain.replace({"trajectory.flight": "straight", "trajectory.duration": 60.0})
-    assert {check.judged for check in flown(analyse(named)).verdict.checks} == {"flight"}
+    assert {check.judged for check in with_flight(analyse(named)).verdict.checks} == {"flight"}
     assert set(flown_names(named)) == {name for name in check_names(named) if name in IN_FLIGHT}
     # Limits of lines need lines.
     row = (("line 1", *(1.0 for _ in LIMITED)),)
     with pytest.raises(InputError, match=r"trajectory.limits\[1\].line: the flight has no line 'line 1'"):
-        flown(analyse(plain.replace({"trajectory.limits": row})))
+        with_flight(analyse(plain.replace({"trajectory.limits": row})))
 
 
 def test_both_processings_are_judged_by_a_result_that_exists_already_as_by_the_flight() -> None:
     case = design({"detrended_phase": 1.0, "tilt": 1e-3, "heading": 0.01})
     budget = analyse(case)
     result = covariance(along_flight(case, planned(case)))
-    one, other = replace(budget, flight=checks_of(result, budget)), flown(budget)
+    one, other = replace(budget, flight=checks_of(result, budget)), with_flight(budget)
     for processing in ("real time", "post-processed"):
         for check, same in zip(one.judged(processing).checks, other.judged(processing).checks, strict=True):
             assert (check.name, check.state, check.judged) == (same.name, same.state, same.judged)

@@ -27,7 +27,7 @@ def flown(design: Design) -> TrajectoryResult:
 
 
 def closes(design: Design) -> bool:
-    return verdict.flown(analyse(design)).verdict.closes
+    return verdict.with_flight(analyse(design)).verdict.closes
 
 
 def seen_from(design: Design, slant_range: float) -> Design:
@@ -80,7 +80,7 @@ def test_a_flight_without_a_range_says_so_and_one_without_limits_has_none() -> N
     design = example("mems_x_band", "requirements.horizontal_position=1 mm")
     result = with_swath(flown(design), design)
     assert result.swath == Swath(pytest.approx(7000 * math.sin(math.radians(35))))
-    assert to_json(result, verdict.flown(analyse(design)).verdict)["swath"]["far_m"] is None
+    assert to_json(result, verdict.with_flight(analyse(design)).verdict)["swath"]["far_m"] is None
     assert swath_in_words(result.swath) == "No slant range from 20° to 70° of grazing angle meets the limits."
     free = Design({"trajectory.duration": 60.0})
     assert with_swath(flown(free), free).swath is None
