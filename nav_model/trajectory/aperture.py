@@ -5,7 +5,7 @@ step is left out, 0.4 % of a detrended phase with six nodes in the aperture and 
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -87,24 +87,54 @@ def apertures_at(model: ErrorModel, x: Inputs, begin: FloatArray, output: NDArra
     in_middle = np.column_stack([np.interp(begin + half, time_s, axis) for axis in model.truth.velocity.T])
     sums, sight = sums_of(in_middle, x)
     weights = np.zeros((len(begin), nodes, COLUMNS, 6))
-    flat = np.ascontiguousarray(sums.swapaxes(2, 3)).reshape(-1, 3 * COLUMNS, ORDERS)
-    for step in range(nodes - 1):
+    for step, on, of_ends in steps_of(time_s, first, last, begin, float(x.aperture), sums):
+        for end in (0, 1):
+            weights[on, step + end] += of_ends[end]
+    return Apertures(output, begin, sight, first, last, weights)
+
+
+def steps_of(
+    time_s: FloatArray,
+    first: NDArray[np.int64],
+    last: NDArray[np.int64],
+    begin: FloatArray,
+    length: float,
+    sums: FloatArray,
+) -> Iterator[tuple[int, NDArray[np.int64], FloatArray]]:
+    """The steps of apertures from node to node: which one, of which apertures, and what the sums take of the errors
+    of position and velocity at its beginning and at its end, (2, apertures, COLUMNS, 6).
+
+    Parameters
+    ----------
+    time_s : array (k,)
+        Nodes of the flight [s].
+    first, last, begin : arrays (apertures,)
+        As `Apertures` has them.
+    length : float
+        Of an aperture [s].
+    sums : array (apertures, COLUMNS, ORDERS, 3)
+        As `sums_of` gives them.
+    """
+    half, flat = 0.5 * length, np.ascontiguousarray(sums.swapaxes(2, 3)).reshape(-1, 3 * COLUMNS, ORDERS)
+    for step in range(int(np.max(last - first, initial=0))):
         on = np.flatnonzero(first + step < last)
         left, right, start = time_s[first[on] + step], time_s[first[on] + step + 1], begin[on]
-        length = right - left
-        low, high = np.maximum(left, start), np.minimum(right, start + x.aperture)
+        low, high = np.maximum(left, start), np.minimum(right, start + length)
         times = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * _POINTS
-        s = (times - left[:, None]) / length[:, None]
+        h = (right - left)[:, None]
+        s = (times - left[:, None]) / h
         u = (times - start[:, None]) / half - 1.0
         measured = legendre_of(u) * (0.5 * (high - low)[:, None] * _WEIGHTS / half)[:, :, None]
-        h = length[:, None]
-        of_ends = (1 - 3 * s**2 + 2 * s**3, h * (s - 2 * s**2 + s**3), 3 * s**2 - 2 * s**3, h * (s**3 - s**2))
-        each = measured.swapaxes(1, 2) @ np.stack(of_ends, axis=2)  # (apertures, ORDERS, position and velocity twice)
-        of_sums = (flat[on] @ each).reshape(len(on), COLUMNS, 3, 4)
-        for end in (0, 1):
-            for states, function in ((slice(3), 2 * end), (slice(3, 6), 2 * end + 1)):
-                weights[on, step + end, :, states] += of_sums[..., function]
-    return Apertures(output, begin, sight, first, last, weights)
+        cubics = (1 - 3 * s**2 + 2 * s**3, h * (s - 2 * s**2 + s**3), 3 * s**2 - 2 * s**3, h * (s**3 - s**2))
+        each = measured.swapaxes(1, 2) @ np.stack(cubics, axis=2)  # (apertures, ORDERS, position and velocity twice)
+        yield (
+            step,
+            on,
+            (flat[on] @ each)
+            .reshape(len(on), COLUMNS, 3, 2, 2)
+            .transpose(3, 0, 1, 4, 2)
+            .reshape(2, len(on), COLUMNS, 6),
+        )
 
 
 def legendre_of(u: FloatArray) -> FloatArray:

@@ -5,8 +5,10 @@ The passes along the flight, and their derivation, are in `nav_model.trajectory.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.simulation.layout import BIASES
@@ -16,12 +18,14 @@ from nav_model.trajectory.composition import all_sources, processed
 from nav_model.trajectory.errors import MOST_STEPS, ErrorModel, error_model
 from nav_model.trajectory.heading import heading_of
 from nav_model.trajectory.lines import along, judge
-from nav_model.trajectory.passes import Forward, Sums
+from nav_model.trajectory.passes import FilterRun, Forward, Sums
 from nav_model.trajectory.residual import since_fix
 from nav_model.trajectory.result import LineResult, OnLines, Processed, TrajectoryResult
 from nav_model.trajectory.specification import CovarianceSpec
 from nav_model.trajectory.start import settled_start
 from nav_model.trajectory.states import short_as_white
+
+FloatArray = NDArray[np.float64]
 
 
 def covariance(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> TrajectoryResult:
@@ -30,7 +34,7 @@ def covariance(spec: CovarianceSpec, most_steps: int = MOST_STEPS) -> Trajectory
     Raises InputError for a flight that cannot be flown or takes more steps, ArithmeticError where the covariance is
     not finite.
     """
-    model, figures = _followed(spec, most_steps, (REAL_TIME, POST_PROCESSED))
+    model, _, figures, _ = followed(spec, (REAL_TIME, POST_PROCESSED), most_steps)
     truth, sources = model.truth.at(model.outputs), all_sources(spec, model)
     real_time, post_processed = figures[REAL_TIME], figures[POST_PROCESSED]
     return TrajectoryResult(
@@ -55,14 +59,42 @@ def figures_on_lines(
     spec: CovarianceSpec, processings: Sequence[str] = (REAL_TIME, POST_PROCESSED), most_steps: int = MOST_STEPS
 ) -> OnLines:
     """The figures of `covariance` where there are lines, in some processings. Raises as that does."""
-    model, figures = _followed(spec, most_steps, processings, only_lines=True)
+    model, _, figures, _ = followed(spec, processings, most_steps, only_lines=True)
     return OnLines(spec, model.time_s[model.outputs], all_sources(spec, model), figures)
 
 
-def _followed(
-    spec: CovarianceSpec, most_steps: int, processings: Sequence[str], *, only_lines: bool = False
-) -> tuple[ErrorModel, Mapping[str, Processed]]:
-    """The errors along a flight, and its figures by processing."""
+class Followed(NamedTuple):
+    """The errors along a flight, the filter's run, the figures by processing, and variances (outputs, 9) of the
+    filter's output less the smoothed one: position, velocity, and roll, pitch, yaw; None unless asked for."""
+
+    model: ErrorModel
+    run: FilterRun
+    figures: Mapping[str, Processed]
+    difference: FloatArray | None
+
+
+def followed(
+    spec: CovarianceSpec,
+    processings: Sequence[str],
+    most_steps: int = MOST_STEPS,
+    *,
+    only_lines: bool = False,
+    difference: bool = False,
+) -> Followed:
+    """`covariance` in parts, for who asks more of the errors along a flight. Raises as that does.
+
+    Parameters
+    ----------
+    spec : CovarianceSpec
+    processings : sequence of str
+        Whose figures are asked for.
+    most_steps : int, optional
+        Steps of the flight at most.
+    only_lines : bool, optional
+        True for the outputs that count for a line alone.
+    difference : bool, optional
+        True for the difference of both processings, which are asked for.
+    """
     spec = replace(spec, study=short_as_white(spec.study))
     if POST_PROCESSED not in processings:
         spec = replace(spec, flown_further=0.0)
@@ -83,7 +115,7 @@ def _followed(
         smoothed = passes.later(model, run, apertures, ends, whole_path=reached)
         passes.within(model, run, apertures, smoothed.images, by_innovation)
         images[POST_PROCESSED] = smoothed.images
-    forward = passes.forward(model, run, apertures, images, smoothed, spec.moment)
+    forward = passes.forward(model, run, apertures, images, smoothed, spec.moment, difference=difference)
     figures = {}
     for name in processings:
         _put_residual_biases(spec, model, apertures, forward, name)
@@ -93,7 +125,8 @@ def _followed(
             rest = aperture.smoothed_rest(whole, image, free_rest)
         states, judged = forward.states[name], forward.judged[name]
         figures[name] = processed(spec, model, apertures, states, judged, image, rest, name)
-    return model, figures
+    apart = forward.states[passes.DIFFERENCE].sum(axis=0) if difference else None
+    return Followed(model, run, figures, apart)
 
 
 def _of_lines(spec: CovarianceSpec, model: ErrorModel) -> ErrorModel:

@@ -31,6 +31,8 @@ from nav_model.trajectory.states import RADAR_TIME
 
 FloatArray = NDArray[np.float64]
 Indices = NDArray[np.int64]
+DIFFERENCE = "difference"
+"""The filter's output less the smoothed one, beside the processings."""
 _AXES = 9  # position, velocity, attitude
 _BLOCK = 256  # apertures at a time, for memory
 _Asked = defaultdict[int, list[tuple[FloatArray, FloatArray]]]
@@ -321,6 +323,8 @@ def forward(
     images: Mapping[str, Sums],
     smoothed: Smoothed | None,
     moment: str,
+    *,
+    difference: bool = False,
 ) -> Forward:
     """Every source through the same gains.
 
@@ -335,6 +339,8 @@ def forward(
         Where smoothed errors are asked for.
     moment : str
         Of the fix interval, at which states are judged in real time: "prior", "posterior", or "closed" for the mean.
+    difference : bool, optional
+        True for the states of `DIFFERENCE` too, where there are smoothed errors.
     """
     noisy, sources, count = model.states.noisy, len(model.states.sources), len(model.outputs)
     before, after = _Asked(list), _Asked(list)
@@ -359,6 +365,10 @@ def forward(
         both[:noisy] = smoothed.states.added
         ask(after, at_nodes, smoothed.states.rows, both)
         states[POST_PROCESSED], judged[POST_PROCESSED] = both[:, :count], both[:, -count:]
+        if difference:  # e - (e - P λ): what smoothing takes off, with the same later noises
+            states[DIFFERENCE] = np.zeros((sources, count, _AXES))
+            states[DIFFERENCE][:noisy] = smoothed.states.added[:, :count]
+            ask(after, model.outputs, model.output_rows - smoothed.states.rows[:count], states[DIFFERENCE])
         path = np.zeros((sources, len(smoothed.path.rows), 3, 6))
         path[:noisy] = smoothed.path.added
     for name, sums in images.items():
