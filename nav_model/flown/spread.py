@@ -71,7 +71,7 @@ def _before(model: ErrorModel, run: FilterRun, adjoint: FloatArray, node: int) -
         return adjoint
     rows = model.rows[node, :, : len(adjoint)]
     update = np.eye(len(adjoint)) - run.gain[node] @ rows
-    return update.T @ adjoint @ update + run.weight[node] @ rows
+    return np.asarray(update.T @ adjoint @ update + run.weight[node] @ rows)
 
 
 def covariance_of(model: ErrorModel, run: FilterRun, adjoint: FloatArray, sums: Sums, error: Error) -> FloatArray:
