@@ -2,7 +2,9 @@
 
 import mmap
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -17,12 +19,14 @@ from nav_model.flown.files.table import read_table
 from nav_model.flown.solution import Solution
 from nav_model.simulation.trajectory import FILE_BOUNDS
 from nav_model.trajectory.files.epochs import Epochs
-from nav_model.trajectory.files.heights import Heights
+from nav_model.trajectory.files.heights import Heights, counted
+from nav_model.trajectory.files.messages import read_messages
 from nav_model.trajectory.files.sbet import ACCURACIES, Buffer, name_of
 
-KINDS = "SBET, RTKLIB .pos, or a table with named columns"
+KINDS = "SBET, RTKLIB .pos, NovAtel ASCII, NMEA, a PX4 log, or a table with named columns"
 _GIVE = f"Give {KINDS}."
 _AT_REST = 5.0  # m
+_WHOLE = 0.95  # of the times
 Source = str | Path | bytes
 
 
@@ -107,6 +111,8 @@ def _epochs(file: _File, heights: Heights, columns: Sequence[str]) -> Epochs:
     content = bytes(file.content)
     if not content.strip():
         raise heights.refuse("the file is empty")
+    if epochs := read_messages(content, heights):
+        return epochs
     if (kind := kind_of(content)) is not None:
         raise heights.refuse(f"is {'no text and no SBET' if kind == 'not text' else kind}. {_GIVE}")
     try:
@@ -119,6 +125,18 @@ def _epochs(file: _File, heights: Heights, columns: Sequence[str]) -> Epochs:
 
 
 def _solution(epochs: Epochs, notes: Heights) -> Solution:
+    for member in ("velocity", "attitude"):
+        values = getattr(epochs, member)
+        if values is None:
+            continue
+        whole = np.isfinite(values).all(axis=1)
+        if whole.mean() < _WHOLE:
+            notes.note(f"{member} at {whole.mean():.0%} of the times, which is not used")
+            unused: dict[str, Any] = {member: None}
+            epochs = replace(epochs, **unused)
+        elif not whole.all():
+            notes.note(f"{counted(int(np.sum(~whole)), 'record')} without {member} left out")
+            epochs = epochs.at(whole)
     place = np.column_stack([epochs.place[:, 0], np.unwrap(epochs.place[:, 1]), epochs.place[:, 2]])
     north, east = metres_per_radian(place[0, 0], place[0, 2])
     way = (np.ptp(place, axis=0) * (north, east, 1.0)).max()

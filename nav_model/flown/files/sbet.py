@@ -7,8 +7,7 @@ import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.earth.wgs84 import metres_per_radian
-from nav_model.flown.files.accuracies import at_times
-from nav_model.trajectory.files.epochs import Epochs
+from nav_model.trajectory.files.epochs import Epochs, at_times
 from nav_model.trajectory.files.heights import Heights
 from nav_model.trajectory.files.recorded import unrolled
 from nav_model.trajectory.files.sbet import ACCURACIES, DOUBLES, Buffer, in_degrees, records_of
@@ -116,8 +115,4 @@ def add_accuracies(epochs: Epochs, content: Buffer, heights: Heights, name: str)
         heights.note("attitude accuracies taken as degrees, as a live POS writes them: too small for arc minutes")
     sigmas = records[:, 1:] * ([1.0] * 6 + [size] * 3)
     heights.note(f"accuracies of {len(records)} records of {name}")
-    claims = at_times(epochs.time, time, sigmas, heights, name)
-    return replace(
-        epochs, sigma_position=claims[:, :3], sigma_velocity=claims[:, 3:6], sigma_attitude=claims[:, 6:],
-        smoothing="combined",
-    )  # fmt: skip
+    return replace(epochs.claiming(at_times(epochs.time, time, sigmas, heights, name)), smoothing="combined")

@@ -14,6 +14,7 @@ from nav_model.earth.rotation import matrix_of
 from nav_model.simulation.trajectory import FILE_BOUNDS
 from nav_model.trajectory.files.epochs import Epochs
 from nav_model.trajectory.files.heights import Heights
+from nav_model.trajectory.files.nmea import FIXES
 from nav_model.trajectory.files.table import FlightColumns, flight_columns, recorded_rows
 
 _AXES = vocabulary("solution")
@@ -26,10 +27,6 @@ _IN_A_WEEK = frozenset(("gpsseconds", "timeofweek", "tow", "itow", "sow", "gpst"
 _WEEK = frozenset(("week", "gpsweek", "wn", "weekno", "weeknumber"))
 _DATED = 1e8  # s; later stamps count from 1970
 _RTKLIB = {0: "none", 1: "fixed", 2: "float", 3: "sbas", 4: "dgps", 5: "single", 6: "ppp", 7: "dead reckoning"}
-NMEA_FIXES = {
-    0: "none", 1: "single", 2: "dgps", 3: "pps", 4: "fixed", 5: "float", 6: "dead reckoning", 7: "manual",
-    8: "simulator",
-}  # fmt: skip
 _MOST_KINDS = 100
 _FIRST_TEXT = 1000.0
 
@@ -198,7 +195,7 @@ def _fixes(
     if len(numbers) > _MOST_KINDS:
         return None, ()
     plain = _plain(roles.quality.header)
-    known = _RTKLIB if plain == "q" else NMEA_FIXES if plain in ("fixquality", "gpsquality") else {}
+    known = _RTKLIB if plain == "q" else FIXES if plain in ("fixquality", "gpsquality") else {}
     text_of = {number: text for text, number in texts.items()}
     names = [text_of.get(number) or known.get(number) or f"{number:g}" for number in numbers.tolist()]
     return codes.astype(np.int8), tuple(names)

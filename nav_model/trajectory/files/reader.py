@@ -12,13 +12,14 @@ from nav_model.simulation.trajectory import FILE_BOUNDS
 from nav_model.trajectory.files.ground_station import WAYPOINT_LIST, read_ground_station
 from nav_model.trajectory.files.heights import Heights
 from nav_model.trajectory.files.markup import read_markup, unpack
+from nav_model.trajectory.files.messages import read_messages
 from nav_model.trajectory.files.recorded import RecordedSegment, fly_recorded
 from nav_model.trajectory.files.sbet import name_of, read_sbet
 from nav_model.trajectory.files.table import in_two_columns, read_columns
 from nav_model.trajectory.plan import PlannedFlight, fly
 from nav_model.trajectory.waypoints import Plan, Waypoint
 
-KINDS = "KML, KMZ, GPX, .plan, .waypoints, CSV or SBET"
+KINDS = "KML, KMZ, GPX, .plan, .waypoints, CSV, SBET, NovAtel ASCII, NMEA or PX4 log"
 _PLACE_MESSAGES = ("POS", "GPS", "AHR2")
 _GIVE = f"Give a {KINDS} file."
 
@@ -107,6 +108,8 @@ def _read(
         raise heights.refuse("is smrmsg, the accuracies that belong to an SBET file. Give the SBET file itself.")
     if records:
         return read_sbet(content, heights)
+    if epochs := read_messages(content, heights):
+        return [epochs.in_order(heights).segment(heights)]
     kind = kind_of(content)
     if kind == "XML":
         return read_markup(content, heights)

@@ -31,6 +31,8 @@ _SLOWEST = 1.0  # m/s with a course
 _SETTLE = 1.0  # s, sigma of the smoothing of attitude
 _FAST_ENOUGH = 0.2  # s between rows with an attitude that can be flown
 _ATTITUDE = slice(4, 7)
+USUAL_SHARE = 0.8
+"""Of all rows, from which a kind of fix is the usual one, and others are pauses."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ from nav_model.earth.trajectory_file import has_trajectory, trajectory_of
 from nav_model.earth.wgs84 import geodetic
 from nav_model.simulation.trajectory import FILE_BOUNDS, flight_through
 from nav_model.trajectory.files.heights import Heights, Reference, counted
-from nav_model.trajectory.files.recorded import RecordedSegment, unrolled
+from nav_model.trajectory.files.recorded import USUAL_SHARE, RecordedSegment, unrolled
 from nav_model.trajectory.plan import PlannedFlight
 from nav_model.trajectory.waypoints import Waypoint
 
@@ -42,7 +42,7 @@ _LOOKED_AT = 50  # rows
 _ANGLES = ("latitude", "longitude")
 _WAYPOINT = re.compile(r"(?i)\W*(way[ _-]?points?|wpt?|wp[ _]?(no|id|number))\b")
 _LOCAL = re.compile(r"(?i)\W*(east|north|up|[enu]-baseline|x|y|z)(?![a-z])")
-_MOST_QUALITIES, _USUAL_SHARE = 10, 0.8
+_MOST_QUALITIES = 10
 _FAR_APART = 5.0  # s
 _SLOWEST = 0.02, 1.0  # m/s; slower than the first nothing flies, the second is seldom
 
@@ -209,7 +209,7 @@ def _of_one_quality(table: NumberTable, heights: Heights, roles: FlightColumns) 
         return None
     (tally,) = table.tally([roles.quality.place], _MOST_QUALITIES)
     usual = max(tally, key=tally.__getitem__, default="")
-    if len(tally) < 2 or tally[usual] < _USUAL_SHARE * sum(tally.values()):
+    if len(tally) < 2 or tally[usual] < USUAL_SHARE * sum(tally.values()):
         return None
     others = ", ".join(sorted(text for text in tally if text != usual))
     heights.note(f"rows with {roles.quality.header} {usual} alone; those with {others} left out")
