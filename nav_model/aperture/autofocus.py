@@ -18,6 +18,7 @@ KINDS = "quadratic", "cubic", "detrended"
 _POINTS, _WEIGHTS = legendre.leggauss(5)
 _ORDER_3 = 1 / 6930  # mean square beyond order 3 of white noise integrated twice, over its density times T³ [S-6]
 _QUADRATIC, _CUBIC = 1 / 64 * 10 / 7, 25 / 4 * 7 / 3960  # of that noise [S-5], [S-6]
+_CLUTTER, _LEAST_PEAK = 9.0, 16.0  # of map drift, as simulated
 _BETWEEN = 2 / 3  # variance of lines between independent phases, over that of each
 
 
@@ -119,6 +120,10 @@ def noise_of_map_drift(order: int, points: Array, contrast: Array) -> Noise:
     in_look = contrast / order
     coherence = in_look / (1 + in_look)
     shift = np.sqrt(3 / (2 * points)) * np.sqrt(1 - coherence**2) / (math.pi * coherence)  # between two looks, cells
+    # Magnitudes are correlated: clutter of one look against that of the other adds, and hides the peak at last.
+    shift = shift * np.sqrt(1 + _CLUTTER / in_look**2)
+    hidden = np.real(in_look * np.sqrt(points)) < _LEAST_PEAK
+    shift = np.where(hidden, 2 * order**2 / math.sqrt(3), shift)  # anywhere within the capture
     edges = np.linspace(-1, 1, order + 1)
     # Mean slopes of x² and x³ over a look, in its cells; the mean of all is a shift of the image.
     slopes = np.stack([np.diff(edges**n) / np.diff(edges) for n in range(2, order + 1)], axis=1) / (math.pi * order)
