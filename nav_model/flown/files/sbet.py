@@ -10,7 +10,7 @@ from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.trajectory.files.epochs import Epochs, at_times
 from nav_model.trajectory.files.heights import Heights
 from nav_model.trajectory.files.recorded import unrolled
-from nav_model.trajectory.files.sbet import ACCURACIES, DOUBLES, Buffer, in_degrees, records_of
+from nav_model.trajectory.files.sbet import ACCURACIES, DOUBLES, LARGEST_ANGLE, Buffer, in_degrees, records_of
 
 MOST_RECORDS = 2_000_000
 """Records of an SBET that are read; of a longer file every second, third, ..."""
@@ -21,6 +21,7 @@ _FITS = 0.1  # of the speed
 _MOST_COMPARED = 20_000  # records
 
 
+@np.errstate(invalid="ignore", over="ignore")
 def read_sbet(content: Buffer, heights: Heights, order: str = "<") -> Epochs:
     """The epochs of an SBET.
 
@@ -42,12 +43,16 @@ def read_sbet(content: Buffer, heights: Heights, order: str = "<") -> Epochs:
         "sbet", "gps week seconds", unrolled(time, heights), np.column_stack([latitude, longitude, height]),
         np.column_stack([vx, vy, vz]), np.column_stack([roll, pitch, heading - wander]), kind="post-processed",
     )  # fmt: skip
-    finite = np.isfinite(time) & np.isfinite(epochs.place).all(axis=1)
-    samples = np.column_stack([time - time[0], epochs.place])[finite]
-    if len(samples) > 1 and in_degrees(samples, np.hypot(vx, vy)[finite]):
+    good = np.isfinite(time) & np.isfinite(epochs.place).all(axis=1)
+    radians = (np.abs(latitude) <= 0.5 * math.pi) & (np.abs(longitude) <= 2.0 * math.pi)
+    good &= radians if radians.mean() > 0.5 else ~radians  # a damaged place says nothing of the unit
+    samples = np.column_stack([time, epochs.place])[good]
+    samples[:, 0] -= samples[:1, 0]
+    speed = np.hypot(vx, vy)[good]
+    if len(samples) > 1 and in_degrees(samples, np.where(np.isfinite(speed), speed, 0.0)):
         heights.note("positions in degrees, as the velocities say")
         epochs = replace(epochs, place=epochs.place * (math.radians(1.0), math.radians(1.0), 1.0))
-        if np.nanmax(np.abs([roll, pitch, heading])) > 4.0 * math.pi:
+        if (np.abs([roll, pitch, heading]) > LARGEST_ANGLE).any(axis=0).mean() > 0.1:
             heights.note("attitude in degrees, by its size")
             assert epochs.attitude is not None
             epochs = replace(epochs, attitude=np.radians(epochs.attitude))
@@ -69,21 +74,25 @@ def _fitting(axes: dict[str, Array], epochs: Epochs, heights: Heights) -> str:
     with np.errstate(invalid="ignore", divide="ignore"):
         scale = np.column_stack([*metres_per_radian(place[:-1, 0], place[:-1, 2]), np.full(len(place) - 1, -1.0)])
         moved = np.diff(place, axis=0) * scale / np.diff(time)[:, None]
-        speed = float(np.nanmedian(np.linalg.norm(moved, axis=1))) if len(moved) else 0.0
-        if not speed > _MOVING:
+        speed = _median(moved)
+        if speed <= _MOVING:
             return usual
-        misfit = {
-            name: float(np.nanmedian(np.linalg.norm(0.5 * (v[::every][1:] + v[::every][:-1]) - moved, axis=1)))
-            for name, v in axes.items()
-        }
+        misfit = {name: _median(0.5 * (v[::every][1:] + v[::every][:-1]) - moved) for name, v in axes.items()}
     best = min(misfit, key=misfit.__getitem__)
-    if misfit[usual] <= _FITS * speed:
+    if misfit[usual] <= _FITS * speed or misfit[usual] == math.inf:
         return usual
     if misfit[best] > _FITS * speed:
         heights.note(f"velocities differ from the places by {misfit[usual]:.3g} m/s in the usual axes, and in others")
         return usual
     heights.note(f"velocities taken as {best}, as the places say")
     return best
+
+
+def _median(vectors: Array) -> float:
+    """Median length of the vectors that are finite; infinite without one."""
+    lengths = np.linalg.norm(vectors, axis=1)
+    finite = lengths[np.isfinite(lengths)]
+    return float(np.median(finite)) if len(finite) else math.inf
 
 
 def add_accuracies(epochs: Epochs, content: Buffer, heights: Heights, name: str) -> Epochs:

@@ -15,8 +15,9 @@ DOUBLES, ACCURACIES = 17, 10
 """In a record of SBET, and of smrmsg."""
 Buffer = bytes | memoryview | mmap
 _LOOKED_AT = 2000  # records
+_LIKELY = 0.9  # of the records; others may be damaged
 _MOVING = 1.0  # m/s
-_LARGEST_ANGLE = 4.0 * math.pi  # rad, of a heading that counts its turns, less a wander angle
+LARGEST_ANGLE = 4.0 * math.pi  # rad, of a heading that counts its turns, less a wander angle
 
 
 @np.errstate(invalid="ignore", over="ignore")
@@ -27,7 +28,8 @@ def name_of(content: Buffer, order: str = "<") -> str:
     whole, deviations = not memoryview(content).nbytes % (8 * ACCURACIES), accuracies[:, 1:]
     if whole and _goes_on(accuracies) and ((deviations >= 0.0) & (deviations < 1e6)).all():
         return "smrmsg"
-    return "SBET" if _goes_on(records) and (np.abs(records[:, 1:3]) <= (90.0, 360.0)).all() else ""
+    places = (np.abs(records[:, 1:3]) <= (90.0, 360.0)).all(axis=1)
+    return "SBET" if _goes_on(records) and places.mean() > _LIKELY else ""
 
 
 def read_sbet(content: bytes, heights: Heights) -> PlannedFlight:
@@ -46,7 +48,7 @@ def read_sbet(content: bytes, heights: Heights) -> PlannedFlight:
     if in_degrees(samples, np.hypot(records[:, 4], records[:, 5])):
         samples[:, 1:3] = np.radians(samples[:, 1:3])
         heights.note("positions in degrees, as the velocities say")
-        if degrees := np.abs(samples[:, 4:]).max() > _LARGEST_ANGLE:
+        if degrees := np.abs(samples[:, 4:]).max() > LARGEST_ANGLE:
             samples[:, 4:] = np.radians(samples[:, 4:])
         heights.note(f"attitude in {'degrees' if degrees else 'radians'}, by its size")
     return as_flown(samples, heights, "record")
@@ -64,7 +66,7 @@ def _goes_on(records: Array) -> bool:
         return False
     steps = np.diff(records[:, 0])
     likely = (steps > -1.0) & (steps < 60.0)
-    return bool((np.abs(records[:, 0]) < 1e7).all() and np.median(steps) > 1e-6 and likely.mean() > 0.9)
+    return bool((np.abs(records[:, 0]) < 1e7).all() and np.median(steps) > 1e-6 and likely.mean() > _LIKELY)
 
 
 def in_degrees(samples: Array, speed: Array) -> bool:
