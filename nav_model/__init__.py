@@ -27,9 +27,9 @@ from typing import TYPE_CHECKING
 
 __all__ = [
     "Budget", "Design", "InputError", "allocate", "analyse", "analyse_log", "catalogue",
-    "closing_sets", "flight_covariance", "format_design", "image_study", "invert", "manoeuvres",
-    "parse_design", "rank", "read_design", "read_log", "read_uncertain", "search", "simulation_study", "solve",
-    "trade_map", "uncertain_verdict", "vendor_table", "with_flight",
+    "closing_sets", "flight_covariance", "flown_study", "format_design", "image_study", "invert", "manoeuvres",
+    "parse_design", "rank", "read_design", "read_log", "read_solution", "read_uncertain", "search",
+    "simulation_study", "solve", "trade_map", "uncertain_verdict", "vendor_table", "with_flight",
 ]  # fmt: skip
 
 if TYPE_CHECKING:
@@ -49,6 +49,8 @@ if TYPE_CHECKING:
     from nav_model.explore.trade_map import trade_map
     from nav_model.explore.uncertainty import read_uncertain, uncertain_verdict
     from nav_model.explore.vendor_table import invert, vendor_table
+    from nav_model.flown.files.reader import read_solution
+    from nav_model.flown.study import flown_study
     from nav_model.sar.design_study import image_study
     from nav_model.simulation.design_study import simulation_study
     from nav_model.trajectory.design_study import flight_covariance
@@ -67,11 +69,13 @@ else:
         "catalogue": "nav_model.design.catalogue",
         "closing_sets": "nav_model.explore.closing",
         "flight_covariance": "nav_model.trajectory.design_study",
+        "flown_study": "nav_model.flown.study",
         "image_study": "nav_model.sar.design_study",
         "invert": "nav_model.explore.vendor_table",
         "manoeuvres": "nav_model.explore.manoeuvre",
         "rank": "nav_model.explore.rank",
         "read_log": "nav_model.allan.log_file",
+        "read_solution": "nav_model.flown.files.reader",
         "read_uncertain": "nav_model.explore.uncertainty",
         "search": "nav_model.explore.search",
         "simulation_study": "nav_model.simulation.design_study",

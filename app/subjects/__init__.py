@@ -77,6 +77,7 @@ SUBJECTS: tuple[Subject, ...] = (
     Subject("budget", "command", "report"),
     Subject("simulation", "command", "report", "Simulation"),
     Subject("trajectory", "command", "report", "Trajectory", ahead="run:follow_ahead"),
+    Subject("flown", "command"),
     Subject("sar", "command", "report", "SAR"),
     Subject("suborbital", "command", "report", "Suborbital flight", ahead="studies:fly_ahead"),
     Subject("explore", "command"),

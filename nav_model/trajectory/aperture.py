@@ -73,7 +73,16 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
 
 
 def apertures_at(model: ErrorModel, x: Inputs, begin: FloatArray, output: NDArray[np.int64]) -> Apertures:
-    """The apertures that begin at some times [s] within a flight, each of an output.
+    """The apertures that begin at some times within a flight.
+
+    Parameters
+    ----------
+    model : ErrorModel
+    x : Inputs
+    begin : array (apertures,)
+        Seconds.
+    output : array (apertures,)
+        The output to which each belongs.
 
     Raises InputError where they are too many and too long.
     """
@@ -144,7 +153,7 @@ def legendre_of(u: FloatArray) -> FloatArray:
 
 
 def sums_of(in_middle: FloatArray, x: Inputs) -> tuple[FloatArray, FloatArray]:
-    """What the sums of apertures are, in the Legendre coefficients of the position error along each axis.
+    """Weights of the sums of apertures on the Legendre coefficients of the position error along each axis.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ def read_solution(
     name: str = "",
     heights: tuple[float | None, float | None] = (None, None),
 ) -> Solution:
-    """Read a solution from a file, or from its content.
+    r"""Read a solution from a file, or from its content.
 
     Parameters
     ----------
@@ -63,6 +63,14 @@ def read_solution(
         Under the file's name: what is wrong and where, or what the file is when it is no solution.
     OSError
         Where it cannot be read.
+
+    Examples
+    --------
+    >>> from nav_model import read_solution
+    >>> table = b"time [s],latitude [deg],longitude [deg],height [m]\n0,46.0,7.0,900\n1,46.001,7.0,900\n"
+    >>> solution = read_solution(table)
+    >>> solution.format, solution.rate_hz
+    ('table', 1.0)
     """
     files = [_File(source, name or "solution"), *(_File(c, f"companion {n}") for n, c in enumerate(companions, 1))]
     if len(files) > 1 and files[0].is_smrmsg:  # the two in the other order

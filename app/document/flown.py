@@ -1,0 +1,67 @@
+"""A flown flight in words: its verdict in a sentence."""
+
+from collections.abc import Sequence
+
+from nav_model.base.dimensions import DIMENSIONS
+from nav_model.base.units import format_quantity
+from nav_model.design.figures import FIGURES, figure_in_sentence
+from nav_model.flown.relation import MEANINGS
+from nav_model.flown.result import ALL, FEW, FlownLine, FlownResult, Measured
+
+_STATES = ("not met", "cannot be told", "open", "met")
+
+
+def value_of(name: str, value: float) -> str:
+    """A value of a figure in its usual unit."""
+    figure = FIGURES[name]
+    return format_quantity(value, DIMENSIONS[figure.dimension].default_unit, figure.dimension, 3)
+
+
+def sentence(result: FlownResult) -> str:
+    """The verdict in a sentence: each limited figure, the lines that meet it and those that do not."""
+    lines = [line for line in result.lines if line.name != ALL] or list(result.lines)
+    figures = dict.fromkeys(name for line in lines for name, one in line.figures.items() if one.limit is not None)
+    if not figures or result.compared is None:
+        return f"{result.verdict.capitalize()}: {result.reason}."
+    parts = []
+    for name in figures:
+        # What one line is too short to tell, all together may.
+        of_all = [line for line in result.lines if line.name == ALL and FEW not in line.figures[name].reason]
+        short = of_all and all(FEW in line.figures[name].reason for line in lines if name in line.figures)
+        by_state = {
+            state: [
+                line
+                for line in (of_all if short else lines)
+                if name in line.figures and line.figures[name].verdict == state
+            ]
+            for state in _STATES
+        }
+        limits = {one.limit for line in lines if (one := line.figures.get(name)) and one.limit is not None}
+        level = " to ".join(value_of(name, limit) for limit in sorted({min(limits), max(limits)}))
+        told = [_of_state(name, state, there) for state, there in by_state.items() if there]
+        parts.append(f"{figure_in_sentence(name)} of {level}: {', '.join(told)}")
+    return f"{result.verdict.capitalize()} ({MEANINGS[result.relation]}). {'; '.join(parts)}."
+
+
+def _of_state(name: str, state: str, lines: Sequence[FlownLine]) -> str:
+    """A state, where, and the band there."""
+    known = [one for line in lines if (one := line.figures[name]).freedom > 0.0]
+    band = f" ({_band(name, known)})" if known and state != "cannot be told" else ""
+    reason = lines[0].figures[name].reason
+    why = f": {reason}" if state in ("cannot be told", "open") and reason else ""
+    return f"{state} on {_names(lines)}{band}{why}"
+
+
+def _band(name: str, known: Sequence[Measured]) -> str:
+    low, high = min(one.low_95 for one in known), max(one.high_95 for one in known)
+    return f"{value_of(name, low)} to {value_of(name, high)}, 95 %"
+
+
+def _names(lines: Sequence[FlownLine]) -> str:
+    names = [line.name for line in lines]
+    numbers = [name.removeprefix("line ") for name in names]
+    if len(names) > 2 and all(number.isdigit() for number in numbers):
+        first, last = int(numbers[0]), int(numbers[-1])
+        if [int(number) for number in numbers] == list(range(first, last + 1)):
+            return f"lines {first} to {last}"
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

@@ -1,0 +1,1 @@
+"""As flown: the solution of a real flight against the budget of the design."""

@@ -1,0 +1,204 @@
+"""Results of a flown flight beside its budget: by line and figure, with the band in which the truth lies."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nav_model.flown.relation import Compared, Relation
+from nav_model.flown.solution import Solution
+from nav_model.flown.track import Clock
+from nav_model.trajectory.specification import CovarianceSpec
+
+FloatArray = NDArray[np.float64]
+FlownVerdict = Literal["met", "not met", "open", "cannot be told", ""]
+"""Of a figure; empty where nothing limits it."""
+ALL = "all lines"
+FEW = "degrees of freedom; a verdict needs"
+CONSISTENT, MORE, LESS = "consistent", "more", "less"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One figure on one line, in SI, all at the confidence of its limit.
+
+    limit: None where nothing limits it. budget: of the design along this track. flown: of the flight, with low_95 and
+    high_95 the band in which it lies; nan where there is nothing to tell. freedom: degrees of freedom of its mean
+    square. apertures: how many it has, 0 of a state. against_budget: "consistent" where the budget lies in the band,
+    else "more" or "less"; empty without a band. ratio: of flown to budget, of navigation alone. reason: why it is
+    open or cannot be told.
+    """
+
+    limit: float | None
+    budget: float
+    flown: float
+    low_95: float
+    high_95: float
+    freedom: float
+    apertures: int
+    verdict: FlownVerdict
+    against_budget: str
+    ratio: float
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class FlownLine:
+    """A line or a straight stretch: start and stop by the solution's clock [s], its figures, and how many apertures
+    were left out for a jump, a gap or a change of fix. `ALL` is the name of all lines together."""
+
+    name: str
+    start_s: float
+    stop_s: float
+    figures: Mapping[str, Measured]
+    apertures_left_out: int = 0
+
+
+@dataclass(frozen=True)
+class Jump:
+    """A step of the difference: when, how far, and why."""
+
+    time_s: float
+    size_m: float
+    cause: str
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """Series along time: middles of the apertures (n) and the value of each figure there (n), 1 sigma; and one
+    sigma of the difference by the budget (outputs, 9) at `budget_s`: position, velocity and roll, pitch, yaw."""
+
+    aperture_s: FloatArray
+    apertures: Mapping[str, FloatArray]
+    budget_s: FloatArray
+    budget: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class FlownResult:
+    """A solution against the budget of a design along its own track.
+
+    claims: by line and figure, claimed and budgeted sigma at the confidence, with whether it is claimed to be met.
+    nees: mean normalised square of the position's difference by the claims over its dimension, its band, and the
+    factor that would make the claims true; empty without claims on both sides. receiver: as `noise_fit` gives it.
+    """
+
+    spec: CovarianceSpec
+    clock: Clock
+    solution: Solution
+    reference: Solution | None
+    relation: Relation
+    guessed: bool
+    kind: str
+    compared: Compared | None
+    jumps: tuple[Jump, ...]
+    lines: tuple[FlownLine, ...]
+    claims: Mapping[str, Mapping[str, Mapping[str, Any]]]
+    nees: Mapping[str, float]
+    receiver: Mapping[str, Any]
+    series: Series | None
+    verdict: FlownVerdict
+    reason: str
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def decisive(self) -> tuple[FlownLine, str, Measured] | None:
+        """The limited figure that decides, on its line: the worst against its limit of those with the verdict's
+        state; None where nothing is limited."""
+        given = [
+            (line, name, one)
+            for line in self.lines
+            for name, one in line.figures.items()
+            if one.limit is not None and one.verdict == self.verdict
+        ]
+        return max(given, key=lambda each: _size(each[2]), default=None)
+
+
+def _size(measured: Measured) -> float:
+    assert measured.limit is not None
+    value = measured.high_95 if math.isfinite(measured.high_95) else measured.budget
+    return value / measured.limit
+
+
+def overall(lines: tuple[FlownLine, ...]) -> tuple[FlownVerdict, str]:
+    """The verdict over all lines and limited figures, and its reason in a sentence."""
+    # What one line is too short to tell, all together may.
+    together = {
+        name for line in lines if line.name == ALL for name, one in line.figures.items() if FEW not in one.reason
+    }
+    limited = [
+        (line, name, one)
+        for line in lines
+        for name, one in line.figures.items()
+        if one.limit is not None and not (name in together and FEW in one.reason)
+    ]
+    if not lines:
+        return "cannot be told", "no straight stretch is as long as an aperture"
+    if not limited:
+        return "cannot be told", "the design limits no figure that a flight shows"
+    order: tuple[FlownVerdict, ...] = ("not met", "cannot be told", "open", "met")
+    for verdict in order:
+        there = [each for each in limited if each[2].verdict == verdict]
+        if there:
+            names = ", ".join(dict.fromkeys(line.name for line, _, _ in there))
+            line, name, one = max(there, key=lambda each: _size(each[2]))
+            return verdict, f"{name} on {line.name}" + (f": {one.reason}" if one.reason else "") if names else ""
+    raise AssertionError("no figure has a verdict")
+
+
+def to_json(result: FlownResult) -> dict[str, Any]:
+    """The result as plain data for JSON, in SI; null for what is not known."""
+    compared = result.compared
+    solution = result.solution
+    return {
+        "solution": _solution(solution) | {"kind": result.kind},
+        "reference": None if result.reference is None else _solution(result.reference),
+        "relation": result.relation,
+        "relation_guessed": result.guessed,
+        "lag_s": None if compared is None else asdict(compared.lag),
+        "offset_m": None
+        if compared is None
+        else dict(zip(("north", "east", "down"), (each.value for each in compared.offset), strict=True)),
+        "offset_sigma_m": None
+        if compared is None
+        else dict(zip(("north", "east", "down"), (each.sigma for each in compared.offset), strict=True)),
+        "lever_arm_m": None
+        if compared is None or compared.lever_arm is None
+        else {axis: asdict(arm) for axis, arm in zip(("forward", "right", "down"), compared.lever_arm, strict=False)},
+        "remark": "" if compared is None else compared.remark,
+        "jumps": [asdict(jump) for jump in result.jumps],
+        "lines": [
+            {
+                "name": line.name,
+                "start_s": line.start_s,
+                "stop_s": line.stop_s,
+                "apertures_left_out": line.apertures_left_out,
+                "figures": {name: _plain(asdict(one)) for name, one in line.figures.items()},
+            }
+            for line in result.lines
+        ],
+        "claims": result.claims,
+        "nees": result.nees,
+        "receiver": result.receiver,
+        "notes": list(result.notes),
+        "verdict": result.verdict,
+        "reason": result.reason,
+    }
+
+
+def _solution(solution: Solution) -> dict[str, Any]:
+    return {
+        "format": solution.format,
+        "kind": solution.kind,
+        "rate_hz": solution.rate_hz,
+        "duration_s": solution.duration_s,
+        "gaps": [list(gap) for gap in solution.gaps],
+        "notes": list(solution.notes),
+    }
+
+
+def _plain(values: dict[str, Any]) -> dict[str, Any]:
+    return {key: None if isinstance(one, float) and math.isnan(one) else one for key, one in values.items()}

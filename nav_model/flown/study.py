@@ -1,0 +1,306 @@
+"""Did the flight meet the budget? A solution of it, with or without a second one, against a design."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2, norm
+
+from nav_model.base.errors import InputError
+from nav_model.budget.verdict import confidence_of
+from nav_model.design import Design
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
+from nav_model.flown.difference import Budgeted, Flown, line_of, together
+from nav_model.flown.jumps import jumps_of
+from nav_model.flown.noise_fit import receiver_of
+from nav_model.flown.relation import RELATIONS, Compared, Relation, compare, guessed
+from nav_model.flown.result import ALL, FlownLine, FlownResult, Jump, Series, overall
+from nav_model.flown.solution import Solution
+from nav_model.flown.spread import later_fixes
+from nav_model.flown.track import track_of
+from nav_model.trajectory.covariance import followed
+from nav_model.trajectory.lines import along
+from nav_model.trajectory.result import STATE_AXES
+
+FloatArray = NDArray[np.float64]
+KINDS = {"real-time": REAL_TIME, "post-processed": POST_PROCESSED}
+"""Kinds of a solution, and the processing of the budget that each has."""
+Progress = Callable[[str, float], None]
+_DOUBTED = 0.01  # probability below which a relation is named as denied
+_LEAST_FREEDOM = 5.0
+
+
+def flown_study(
+    design: Design,
+    solution: Solution,
+    reference: Solution | None = None,
+    *,
+    relation: Relation | None = None,
+    kind: str = "",
+    remove_lag: bool = True,
+    progress: Progress = lambda what, share: None,
+) -> FlownResult:
+    """A flight against the budget of its design: its solution beside a second one, or by its claims alone.
+
+    Parameters
+    ----------
+    design : Design
+        Instruments, radar and requirements; the lines of its plan, where they were flown, are judged.
+    solution : Solution
+        As `nav_model.flown.files.reader.read_solution` reads it.
+    reference : Solution, optional
+        The second solution. Without it, claims are set beside the budget, and the verdict cannot be told.
+    relation : str, optional
+        "smoothed", "reverse" or "independent"; by default what the files tell.
+    kind : str, optional
+        "real-time" or "post-processed", where the file does not tell or tells the wrong one.
+    remove_lag : bool, optional
+        False to leave a lag in the difference.
+    progress : callable, optional
+        Told what is done, and the share of the whole.
+
+    Raises
+    ------
+    InputError
+        Naming what cannot be compared or flown.
+    ArithmeticError
+        Where the covariance along the track is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from nav_model import flown_study, parse_design
+    >>> from nav_model.flown.solution import Claims, Solution
+    >>> time = np.arange(120.0)
+    >>> place = np.column_stack([0.8 + 30.0 * time / 6.37e6, 0.2 + 0.0 * time, 500.0 + 0.0 * time])
+    >>> claims = Claims("sigma", position=np.full((120, 3), 0.8))
+    >>> design = parse_design("requirements.horizontal_position = '1 m'")
+    >>> result = flown_study(design, Solution("table", "real-time", time, "", place, claims=claims))
+    >>> result.relation, result.verdict, result.reason
+    ('claims', 'cannot be told', 'claimed to be met: a claim is no error')
+    """
+    if reference is None and relation is not None:
+        raise InputError("relation", f"{relation!r} needs a reference. Give the second solution too.", relation)
+    if relation is not None and relation not in RELATIONS:
+        raise InputError("relation", f"must be one of {', '.join(RELATIONS)}", relation)
+    if kind and kind not in KINDS:
+        raise InputError("kind", f"must be one of {', '.join(KINDS)}", kind)
+    solution = replace(solution, kind=kind or solution.kind)
+    chosen = relation or guessed(solution, reference)
+    solution = replace(solution, kind=solution.kind or ("real-time" if chosen == "smoothed" else "post-processed"))
+    notes = [*solution.notes] if kind else [*solution.notes, f"taken as {solution.kind}"]
+    progress("compared", 0.1)
+    compared = None if reference is None else compare(solution, reference, remove_lag=remove_lag)
+    # The covariance follows the better of both along what they have in common.
+    shifted = reference
+    if compared is None or reference is None:
+        flies, begin, end = solution, float(solution.time_s[0]), float(solution.time_s[-1])
+    else:
+        flies, begin, end = (
+            _flown(solution, reference, compared),
+            float(compared.time_s[0]),
+            float(compared.time_s[-1]),
+        )
+        notes += compared.notes
+    interval = design.gnss.interval
+    at_fixes = solution.rate_hz * interval < 2.0
+    track = track_of(design, flies, begin, end, at_fixes=at_fixes)
+    progress("followed", 0.2)
+    needs_both = chosen in ("smoothed", "reverse")
+    post_processed = solution.kind == "post-processed" and chosen != "smoothed"
+    processings = (REAL_TIME, POST_PROCESSED) if needs_both else (POST_PROCESSED if post_processed else REAL_TIME,)
+    along_it = followed(track.spec, processings, difference=needs_both)
+    budgeted = Budgeted(design, track, along_it, later_fixes(along_it.model, along_it.run), chosen, post_processed)
+    flown: list[Flown] = []
+    jumps: tuple[Jump, ...] = ()
+    series = None
+    if compared is not None and shifted is not None:
+        jumps = jumps_of(compared, solution, interval, _step_sigma(budgeted, compared))
+        for number, stretch in enumerate(track.stretches):
+            progress(stretch.name, 0.4 + 0.5 * number / len(track.stretches))
+            flown.append(line_of(stretch, budgeted, compared, jumps, shifted))
+        series = _series(budgeted, flown)
+    lines = [each.line for each in flown]
+    if len(flown) > 1:
+        lines.append(together(flown, budgeted))
+    claims = _claims(design, solution, budgeted)
+    verdict, reason = overall(tuple(lines))
+    if compared is None:
+        verdict, reason = "cannot be told", _claimed(claims)
+    elif denied := _denied(chosen, reference, lines):
+        notes.append(denied)
+    progress("receiver", 0.95)
+    return FlownResult(
+        spec=track.spec,
+        clock=track.clock,
+        solution=solution,
+        reference=reference,
+        relation=chosen,
+        guessed=relation is None,
+        kind=solution.kind,
+        compared=compared,
+        jumps=jumps,
+        lines=tuple(lines),
+        claims=claims,
+        nees={} if compared is None or reference is None else _nees(chosen, solution, reference, compared, lines),
+        receiver=receiver_of(design, compared) if compared is not None and solution.attitude is None else {},
+        series=series,
+        verdict=verdict,
+        reason=reason,
+        notes=(*notes, *track.notes),
+    )
+
+
+def _flown(solution: Solution, reference: Solution, compared: Compared) -> Solution:
+    """The reference on the solution's clock, which is flown, with the solution's kinds of fix."""
+    lag = compared.lag.value if compared.lag.removed else 0.0
+    time = reference.time_s + compared.clock_shift + lag
+    kinds = None
+    if solution.fix is not None:
+        kinds = solution.fix[np.clip(np.searchsorted(solution.time_s, time), 0, len(solution.fix) - 1)]
+    return replace(reference, time_s=time, fix=kinds, fix_names=solution.fix_names)
+
+
+def _step_sigma(budgeted: Budgeted, compared: Compared) -> float:
+    """Move of a position from sample to sample by the budget [m]: by the error of velocity where that is
+    largest, and of a filter's output by a fix, the root mean square of K S K'."""
+    model, run = budgeted.followed.model, budgeted.followed.run
+    speed = math.sqrt(float(budgeted.states(budgeted.processing)[:, 3:6].max()))
+    moved = speed * float(np.median(np.diff(compared.time_s)))
+    if budgeted.post_processed:
+        return moved
+    fixes = np.flatnonzero(model.is_fix)
+    if not fixes.size:
+        return moved
+    taken = []
+    for node in fixes[:: max(1, len(fixes) // 200)]:
+        H, K = model.rows[node][:, : model.states.estimated], run.gain[node]
+        S = np.linalg.inv(np.eye(len(H)) - H @ K) * model.variance[node]  # R = (I - H K) S
+        taken.append(np.diag(K @ S @ K.T)[:3].max())
+    return math.hypot(moved, math.sqrt(float(np.mean(taken))))
+
+
+def _series(budgeted: Budgeted, flown: list[Flown]) -> Series:
+    """The series along time."""
+    names = dict.fromkeys(name for each in flown for name in each.apertures)
+    apertures = {
+        name: np.concatenate([each.apertures.get(name, np.full(len(each.aperture_s), np.nan)) for each in flown])
+        for name in names
+    }
+    spread = budgeted.followed.difference
+    if spread is None:
+        spread = budgeted.states(budgeted.processing)
+    at = np.concatenate([each.aperture_s for each in flown]) if flown else np.zeros(0)
+    return Series(at, apertures, budgeted.track.clock.of_solution(budgeted.outputs_s), np.sqrt(spread))
+
+
+def _claims(design: Design, solution: Solution, budgeted: Budgeted) -> Mapping[str, Mapping[str, Mapping[str, Any]]]:
+    """Claimed and budgeted sigma of the states by line, at the confidence, root mean square of the worst axis."""
+    given = solution.claims
+    if given is None or given.kind == "test ratio":
+        return {}
+    track, limits = budgeted.track, dict(budgeted.track.spec.most)
+    budget = budgeted.states(budgeted.processing)
+    count = len(solution.time_s)
+    parts = (given.position, given.velocity, given.attitude)
+    sigma = np.hstack([np.full((count, 3), np.nan) if part is None else part for part in parts])
+    by_line: dict[str, dict[str, dict[str, Any]]] = {}
+    for stretch in track.stretches:
+        inside = (solution.time_s >= stretch.start) & (solution.time_s <= stretch.stop)
+        start, stop = track.clock.in_flight(np.array([stretch.start, stretch.stop])).tolist()
+        on = along(start, stop, track.spec, budgeted.outputs_s, image=False)
+        figures = by_line.setdefault(stretch.name, {})
+        for name, axes in STATE_AXES.items():
+            known = np.isfinite(sigma[inside, axes]).all(axis=1)
+            if not known.any() or not on.any():
+                continue
+            factor = confidence_of(design, name)
+            claimed = factor * math.sqrt(float(np.mean(sigma[inside, axes][known] ** 2, axis=0).max()))
+            limit = None if name not in limits else factor * limits[name]
+            figures[name] = {
+                "claimed": claimed,
+                "budget": factor * math.sqrt(float(budget[on, axes].mean(axis=0).max())),
+                "limit": limit,
+                "claimed_to_be_met": None if limit is None else claimed <= limit,
+            }
+    return by_line
+
+
+def _claimed(claims: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> str:
+    """The claims against the limits, in words."""
+    answers = [one["claimed_to_be_met"] for figures in claims.values() for one in figures.values()]
+    limited = [answer for answer in answers if answer is not None]
+    if not answers:
+        return "the file claims no accuracy, and there is no second solution"
+    if not limited:
+        return "there is no second solution, and no limit is on what the file claims"
+    return f"claimed {'' if all(limited) else 'not '}to be met: a claim is no error"
+
+
+def _denied(relation: Relation, reference: Solution | None, lines: list[FlownLine]) -> str:
+    """Why the data deny that the reference is smoothed, or on which condition the verdict stands."""
+    if relation != "smoothed":
+        return ""
+    condition = "the verdict stands if the reference is the smoothed answer on the same data"
+    if reference is not None and reference.kind == "real-time":
+        return "the relation is denied: the reference is a real-time solution too"
+    # One factor on all figures that noise of an IMU would move apart is none of noise. [F-1]
+    logs, weights = list[float](), list[float]()
+    for name in ("horizontal_position", "horizontal_velocity", "tilt"):
+        known = [line.figures[name] for line in lines if name in line.figures and line.name != ALL]
+        known = [one for one in known if one.freedom >= _LEAST_FREEDOM and one.ratio > 0.0]
+        if known:
+            weight = sum(one.freedom for one in known)
+            logs.append(sum(one.freedom * math.log(one.ratio) for one in known) / weight)
+            weights.append(2.0 * weight)  # the logarithm of a sigma of so many degrees has half their inverse
+    if len(logs) < 2:
+        return condition
+    values, inverse = np.array(logs), np.array(weights)
+    common = float(values @ inverse / inverse.sum())
+    apart = float((inverse * (values - common) ** 2).sum())
+    alike = chi2.sf(apart, len(logs) - 1) > _DOUBTED
+    off = 2.0 * norm.sf(abs(common) * math.sqrt(inverse.sum())) < _DOUBTED
+    if alike and off:
+        factor = math.exp(common)
+        return f"the relation is doubtful: all figures are {factor:.2f} times the budget's, which noise does not do"
+    return condition
+
+
+def _nees(
+    relation: Relation, x: Solution, y: Solution, compared: Compared, lines: list[FlownLine]
+) -> Mapping[str, float]:
+    """Mean normalised square of the position's difference by the claims over three, with its band."""
+    if x.claims is None or y.claims is None or x.claims.position is None or y.claims.position is None:
+        return {}
+    if "test ratio" in (x.claims.kind, y.claims.kind) or relation == "reverse":
+        return {}
+    sign = -1.0 if relation == "smoothed" else 1.0
+    lag = compared.lag.value if compared.lag.removed else 0.0
+    at = compared.time_s
+    ours, theirs = (
+        np.column_stack([np.interp(times, s.time_s, axis) for axis in (claims**2).T])
+        for s, claims, times in (
+            (x, x.claims.position, at),
+            (y, y.claims.position, at - lag - compared.clock_shift),
+        )
+    )
+    variance = ours + sign * theirs
+    known = np.isfinite(variance).all(axis=1) & (variance > 0.0).all(axis=1)
+    freedoms = [
+        line.figures["horizontal_position"].freedom
+        for line in lines
+        if "horizontal_position" in line.figures and line.name != ALL
+    ]
+    degrees = 3.0 * sum(freedoms)
+    if not known.any() or degrees < _LEAST_FREEDOM:
+        return {}
+    mean = float(np.mean(compared.position[known] ** 2 / variance[known]))
+    return {
+        "mean": mean,
+        "low_95": float(chi2.ppf(0.025, degrees) / degrees),
+        "high_95": float(chi2.ppf(0.975, degrees) / degrees),
+        "factor": math.sqrt(mean),
+    }
