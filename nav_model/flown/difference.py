@@ -278,8 +278,8 @@ def _beyond(
     seen: FloatArray, output: FloatArray, on: NDArray[np.int64], budgeted: Budgeted, reference: Solution,
     time: FloatArray,
 ) -> tuple[FloatArray, list[str]]:  # fmt: skip
-    """The part of the mean square of the solution's error that is not in the difference, by axis (9,), and why an axis is
-    refused. [F-1]"""
+    """The part of the mean square of the solution's error that is not in the difference, by axis (9,), and why an
+    axis is refused. [F-1]"""
     refused = [""] * 9
     if budgeted.relation == "smoothed":
         assert budgeted.followed.difference is not None

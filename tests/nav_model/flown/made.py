@@ -12,8 +12,8 @@ from nav_model.design import Design
 from nav_model.earth.rotation import euler_error_map
 from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.flown.solution import Claims, Solution
-from nav_model.simulation.truth import true_states
 from nav_model.simulation.trajectory import plan_trajectory
+from nav_model.simulation.truth import true_states
 from nav_model.trajectory import passes
 from nav_model.trajectory.design_study import along_flight, planned
 from nav_model.trajectory.errors import error_model
