@@ -16,6 +16,7 @@ from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.simulation.specification import HIGHEST_LATITUDE
 from nav_model.simulation.trajectory import FILE_BOUNDS, flight_through
 from nav_model.trajectory.files.heights import Heights, counted
+from nav_model.trajectory.files.jumps import without_jumps
 from nav_model.trajectory.plan import PlannedFlight
 from nav_model.trajectory.specification import FlightLine
 
@@ -170,6 +171,7 @@ def _pieces(segment: RecordedSegment, heights: Heights) -> list[RecordedSegment]
     steps = np.diff(rows[:, 0])
     ends = np.flatnonzero(steps > max(_PAUSE, _PAUSE * float(np.median(steps)))) + 1
     parts = [part for part in np.split(rows, ends) if len(part) > 1]
+    parts = [without_jumps(part, segment.name or "the recording", heights) for part in parts]
     return [RecordedSegment(segment.name or "segment", part) for part in parts]
 
 
