@@ -47,7 +47,7 @@ def flight_arguments(parser: argparse.ArgumentParser, usual: str) -> None:
         help="start and stop of a time without fixes, in seconds; may be repeated")  # fmt: skip
     add("--trajectory", default=usual, metavar="NAME-or-FILE",
         help="plan (the design's), wandering, straight, turns, climb, or a file: KML, KMZ, GPX, .plan, .waypoints, "
-        f"CSV, SBET; default: {usual}")  # fmt: skip
+        f"CSV, SBET, NovAtel, NMEA, ULog; default: {usual}")  # fmt: skip
     add("--height", metavar="H", help="height of the places of a file that have none, e.g. '3 km'")
     add("--ground", metavar="G",
         help="height of the ground, or of the take-off, for a file with heights above it, e.g. '430 m' "

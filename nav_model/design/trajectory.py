@@ -16,7 +16,10 @@ from nav_model.design.table import Table
 
 NO_PLAN, LINES, WAYPOINTS = "none", "lines", "waypoints"
 MOST_WAYPOINTS = 200  # more make a link too long
-FLIGHT_FILES = (".kml", ".kmz", ".gpx", ".plan", ".waypoints", ".wpml", ".csv", ".txt", ".pos", ".out", ".sbet")
+FLIGHT_FILES = (
+    ".kml", ".kmz", ".gpx", ".plan", ".waypoints", ".wpml", ".csv", ".txt", ".pos", ".out", ".sbet", ".nav", ".log",
+    ".asc", ".nmea", ".ulg",
+)  # fmt: skip
 """Usual ends of the names of files of flights; what a file is, its content says."""
 
 Row = tuple[float, float, float, str, float | None]

@@ -127,7 +127,7 @@ def _trajectory(value: Any, folder: Path) -> str | TrajectorySpec:
         known = ", ".join(NAMED_TRAJECTORIES)
         raise InputError(
             "simulate.trajectory",
-            f"{value!r} is not a file that can be read. Name a CSV or SBET file, or choose {known}.",
+            f"{value!r} is not a file that can be read. Name a file of a flight, or choose {known}.",
             value,
         ) from error
     except ValueError as error:

@@ -10,6 +10,7 @@ import numpy as np
 
 from nav_model.base.errors import InputError
 from nav_model.base.text.file_kind import kind_of
+from nav_model.base.text.message_dump import lines_of
 from nav_model.base.text.number_table import open_table
 from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.flown.files.accuracies import claims_of
@@ -20,11 +21,14 @@ from nav_model.flown.solution import Solution
 from nav_model.simulation.trajectory import FILE_BOUNDS
 from nav_model.trajectory.files.epochs import Epochs
 from nav_model.trajectory.files.heights import Heights, counted
-from nav_model.trajectory.files.messages import read_messages
+from nav_model.trajectory.files.markup import read_markup
+from nav_model.trajectory.files.messages import PLACE_MESSAGES, read_messages
 from nav_model.trajectory.files.sbet import ACCURACIES, Buffer, name_of
+from nav_model.trajectory.files.table import in_two_columns
 
-KINDS = "SBET, RTKLIB .pos, NovAtel ASCII, NMEA, a PX4 log, or a table with named columns"
+KINDS = "SBET, RTKLIB .pos, NovAtel ASCII, NMEA, a PX4 log, a GPX or KML track, or a table with named columns"
 _GIVE = f"Give {KINDS}."
+_START = 4096  # bytes
 _AT_REST = 5.0  # m
 _WHOLE = 0.95  # of the times
 Source = str | Path | bytes
@@ -121,15 +125,30 @@ def _epochs(file: _File, heights: Heights, columns: Sequence[str]) -> Epochs:
         raise heights.refuse("the file is empty")
     if epochs := read_messages(content, heights):
         return epochs
-    if (kind := kind_of(content)) is not None:
+    if (kind := kind_of(content)) == "XML":
+        return _track(content, heights)
+    if kind is not None:
         raise heights.refuse(f"is {'no text and no SBET' if kind == 'not text' else kind}. {_GIVE}")
+    if dump := lines_of(content, file.name, PLACE_MESSAGES):
+        heights.note(dump.choice)
+        content = dump.table
     try:
-        table = open_table(content, file.name)
+        table = open_table(in_two_columns(content, heights), file.name)
     except InputError as error:
         raise heights.refuse(f"{error.reason} {_GIVE}") from error
     if is_pos(content):
         return read_pos(table, heights)
     return read_table(table.named(columns) if columns else table, heights)
+
+
+def _track(content: bytes, heights: Heights) -> Epochs:
+    """The epochs of a recorded track of GPX or KML."""
+    read = read_markup(content, heights)
+    if isinstance(read, tuple):
+        raise heights.refuse("holds places without times, which are a plan. Give what was recorded.")
+    rows = np.vstack([segment.rows[:, :4] for segment in read])
+    kind = "gpx" if b"<gpx" in content[:_START] else "kml"
+    return Epochs(kind, "utc", rows[:, 0], np.column_stack([np.radians(rows[:, 1:3]), rows[:, 3]]))
 
 
 def _solution(epochs: Epochs, notes: Heights) -> Solution:

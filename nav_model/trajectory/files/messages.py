@@ -4,6 +4,8 @@ from nav_model.trajectory.files import nmea, novatel, ulog
 from nav_model.trajectory.files.epochs import Epochs
 from nav_model.trajectory.files.heights import Heights
 
+PLACE_MESSAGES = ("POS", "GPS", "AHR2")
+"""Messages of a text dump (DataFlash) that have places, the one that is taken first before the others."""
 _START = 65_536  # bytes
 
 

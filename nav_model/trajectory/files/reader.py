@@ -12,7 +12,7 @@ from nav_model.simulation.trajectory import FILE_BOUNDS
 from nav_model.trajectory.files.ground_station import WAYPOINT_LIST, read_ground_station
 from nav_model.trajectory.files.heights import Heights
 from nav_model.trajectory.files.markup import read_markup, unpack
-from nav_model.trajectory.files.messages import read_messages
+from nav_model.trajectory.files.messages import PLACE_MESSAGES, read_messages
 from nav_model.trajectory.files.recorded import RecordedSegment, fly_recorded
 from nav_model.trajectory.files.sbet import name_of, read_sbet
 from nav_model.trajectory.files.table import in_two_columns, read_columns
@@ -20,7 +20,6 @@ from nav_model.trajectory.plan import PlannedFlight, fly
 from nav_model.trajectory.waypoints import Plan, Waypoint
 
 KINDS = "KML, KMZ, GPX, .plan, .waypoints, CSV, SBET, NovAtel ASCII, NMEA or PX4 log"
-_PLACE_MESSAGES = ("POS", "GPS", "AHR2")
 _GIVE = f"Give a {KINDS} file."
 
 
@@ -117,7 +116,7 @@ def _read(
         return read_ground_station(content, heights)
     if kind is not None:
         raise heights.refuse(f"is {'no text and no SBET' if kind == 'not text' else kind}. {_GIVE}")
-    if dump := lines_of(content, heights.file_name, _PLACE_MESSAGES):
+    if dump := lines_of(content, heights.file_name, PLACE_MESSAGES):
         heights.note(dump.choice)
         content = dump.table
     try:

@@ -1,6 +1,7 @@
 """Solutions from real files of post-processors: values that others read from them, and motion that agrees."""
 
 from pathlib import Path
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -15,6 +16,9 @@ SBET, PDAL = DATA / "flight/sbet/leeward_sbet_rec0-99.out", DATA / "flight/sbet/
 SMRMSG = DATA / "flight/sbet/smrmsg_pdal_rec0-10950.out"
 POS = DATA / "flight/rtklib/demo5_b34f_f.pos"
 real = pytest.mark.skipif(not DATA.exists(), reason="../shared/data (real flights) is absent")
+
+
+UAV = DATA / "flight/uav_nav/InertialNav_InputFilesPX4_search.zip"
 
 
 def moved(solution: Solution) -> np.ndarray:
@@ -106,3 +110,39 @@ def test_a_solution_of_rtklib_has_its_fixes_and_sigmas() -> None:
     assert flight.claims.position == pytest.approx(np.array([[float(x) for x in line[7:10]] for line in lines]))
     assert flight.fix is not None
     assert [flight.fix_names[code] for code in flight.fix] == [{"1": "fixed", "2": "float"}[x[5]] for x in lines]
+
+
+@real
+def test_columns_without_names_are_those_that_are_given() -> None:
+    with ZipFile(UAV) as archive:
+        raw, onboard = (archive.read(f"{name}.txt") for name in ("GPSraw", "GPOSonboard"))
+    names = ["time_ms", "latitude", "longitude", "height_m", "vn", "ve", "vd"]
+    fixes, flown = (read_solution(content, columns=names) for content in (raw, onboard))
+    assert (fixes.rate_hz, flown.rate_hz) == (pytest.approx(5.0, abs=0.5), pytest.approx(50.0, abs=5.0))
+    assert fixes.velocity is not None
+    # Places in steps of 1e-6 of a degree (0.1 m) every 0.2 s, so over a second.
+    place, time = fixes.place, fixes.time_s
+    north, east = metres_per_radian(place[0, 0], place[0, 2])
+    over = np.column_stack([(place[5:, 0] - place[:-5, 0]) * north, (place[5:, 1] - place[:-5, 1]) * east])
+    over /= (time[5:] - time[:-5])[:, None]
+    mean = np.column_stack([np.convolve(v, np.ones(5) / 5.0, "valid")[1:] for v in fixes.velocity[:, :2].T])
+    assert min(np.corrcoef(over[:, k], mean[:, k])[0, 1] for k in (0, 1)) > 0.99
+    # The fixes are 40 ms before the autopilot's clock; then half a metre is between the two.
+    at = time - time[0] + 0.040
+    between = [np.interp(at, flown.time_s - flown.time_s[0], flown.place[:, k]) for k in (0, 1)]
+    spread = np.std((place[:, :2].T - between) * [[north], [east]], axis=1)
+    assert spread == pytest.approx([0.5, 0.5], abs=0.15)
+
+
+@real
+def test_a_recorded_track_and_a_dump_of_messages_are_solutions() -> None:
+    track = read_solution(DATA / "brought/28_recorded_1hz.gpx")
+    assert (track.format, track.clock, track.rate_hz) == ("gpx", "utc", pytest.approx(1.0))
+    assert track.time_s[0] > 1e9
+    head = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n"
+    head += "FMT, 7, 9, POS, QLLff, TimeUS,Lat,Lng,Alt,RelHomeAlt\n"
+    lines = [f"POS, {1000000 + 100000 * k}, 47.{1000 + k}, 8.5, 500.5, 10.0\nATT, 1, 2\n" for k in range(20)]
+    dump = read_solution((head + "".join(lines)).encode())
+    assert (dump.format, dump.rate_hz, dump.duration_s) == ("table", pytest.approx(10.0), pytest.approx(1.9))
+    with pytest.raises(InputError, match="places without times, which are a plan"):
+        read_solution(DATA / "brought/24_relative_to_ground.kml", heights=(None, 400.0))

@@ -42,6 +42,9 @@ def test_an_sbet_that_is_cut_off_damaged_or_big_endian_is_read() -> None:
     assert "1 record left out, not later than those before" in damaged.notes
     assert np.isfinite(damaged.place).all()
     records = sbet()
+    records[50:53, 0] -= 0.1  # of which two are later than the one before
+    assert len(read_solution(records.tobytes()).time_s) == 397
+    records = sbet()
     records[20:30, 4] = np.inf
     assert len(read_solution(records.tobytes()).time_s) == 390
     records[:, 4:7] = np.nan
