@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.arrays import Array
-from nav_model.base.errors import InputError
 from nav_model.trajectory.files.heights import Heights, counted
 from nav_model.trajectory.files.recorded import USUAL_SHARE, RecordedSegment
 
@@ -102,7 +101,7 @@ def at_times(time: Array, stamps: Array, values: Array, heights: Heights, name: 
     Raises
     ------
     InputError
-        Where the two have no time in common.
+        Under the file's name, where the two have no time in common.
     """
     good = np.isfinite(stamps) & np.isfinite(values).all(axis=1)
     order = np.argsort(stamps[good], kind="stable")
@@ -110,9 +109,9 @@ def at_times(time: Array, stamps: Array, values: Array, heights: Heights, name: 
     inside = (time >= stamps[0]) & (time <= stamps[-1]) if len(stamps) else np.zeros(len(time), dtype=bool)
     if not inside.any():
         spans = " and ".join(f"{t[0]:.0f} to {t[-1]:.0f} s" for t in (time, stamps) if len(t))
-        raise InputError(name, f"has no time in common with {heights.file_name} ({spans}). Give those of one flight.")
+        raise heights.refuse(f"has no time in common with {name} ({spans}). Give those of one flight.")
     if outside := int(np.sum(~inside)):
-        heights.note(f"nothing at {outside} of {len(time)} times, which {name} does not cover")
+        heights.note(f"{name} covers {len(time) - outside} of {len(time)} times")
     columns = [np.interp(time, stamps, column, left=np.nan, right=np.nan) for column in values.T]
     return np.column_stack(columns)
 

@@ -79,7 +79,7 @@ def test_accuracies_come_to_the_times_of_the_sbet_from_arc_minutes() -> None:
         claims = [flight.claims.position, flight.claims.velocity, np.degrees(flight.claims.attitude) * 60.0]
         assert np.hstack(claims)[::200] == pytest.approx(printed[:11, 1:], abs=1e-6)
         assert (flight.claims.kind, flight.smoothing) == ("sigma", "combined")
-    with pytest.raises(InputError, match=r"no time in common with solution .*of one flight"):
+    with pytest.raises(InputError, match=r"solution: has no time in common with smrmsg_pdal.*of one flight"):
         read_solution(sbet().tobytes(), [SMRMSG])
     with pytest.raises(InputError, match="is smrmsg, the accuracies that belong to an SBET"):
         read_solution(SMRMSG)
