@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.flown.noise_scale import Factor
 from nav_model.flown.relation import Compared, Relation
 from nav_model.flown.solution import Solution
 from nav_model.flown.track import Clock
@@ -84,6 +85,7 @@ class FlownResult:
     claims: by line and figure, claimed and budgeted sigma at the confidence, with whether it is claimed to be met.
     nees: mean normalised square of the position's difference by the claims over its dimension, its band, and the
     factor that would make the claims true; empty without claims on both sides. receiver: as `noise_fit` gives it.
+    noise: how many times as noisy "imu" and "gnss" were as their design.
     """
 
     spec: CovarianceSpec
@@ -99,6 +101,7 @@ class FlownResult:
     claims: Mapping[str, Mapping[str, Mapping[str, Any]]]
     nees: Mapping[str, float]
     receiver: Mapping[str, Any]
+    noise: Mapping[str, Factor]
     series: Series | None
     verdict: FlownVerdict
     reason: str
@@ -183,6 +186,7 @@ def to_json(result: FlownResult) -> dict[str, Any]:
         "claims": result.claims,
         "nees": result.nees,
         "receiver": result.receiver,
+        "noise": {name: asdict(factor) for name, factor in result.noise.items()},
         "notes": list(result.notes),
         "verdict": result.verdict,
         "reason": result.reason,

@@ -13,14 +13,18 @@ from nav_model.base.errors import InputError
 from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
-from nav_model.flown.difference import Budgeted, Flown, line_of, together
+from nav_model.flown.budgeted import Budgeted
+from nav_model.flown.difference import Flown, line_of, together
+from nav_model.flown.images import images_of
 from nav_model.flown.jumps import jumps_of
 from nav_model.flown.noise_fit import receiver_of
+from nav_model.flown.noise_scale import Scale, scale_of
 from nav_model.flown.relation import RELATIONS, Compared, Relation, compare, guessed
 from nav_model.flown.result import ALL, FlownLine, FlownResult, Jump, Series, overall
 from nav_model.flown.solution import Solution
 from nav_model.flown.spread import later_fixes
-from nav_model.flown.track import track_of
+from nav_model.flown.states import AXES, Seen, seen_on, states_of
+from nav_model.flown.track import Stretch, track_of
 from nav_model.trajectory.covariance import followed
 from nav_model.trajectory.lines import along
 from nav_model.trajectory.result import STATE_AXES
@@ -31,6 +35,7 @@ KINDS = {"real-time": REAL_TIME, "post-processed": POST_PROCESSED}
 Progress = Callable[[str, float], None]
 _DOUBTED = 0.01  # probability below which a relation is named as denied
 _LEAST_FREEDOM = 5.0
+_ENOUGH = 100.0  # degrees of freedom, at which a sigma is known to 7 %
 
 
 def flown_study(
@@ -95,7 +100,6 @@ def flown_study(
     progress("compared", 0.1)
     compared = None if reference is None else compare(solution, reference, remove_lag=remove_lag)
     # The covariance follows the better of both along what they have in common.
-    shifted = reference
     if compared is None or reference is None:
         flies, begin, end = solution, float(solution.time_s[0]), float(solution.time_s[-1])
     else:
@@ -117,11 +121,15 @@ def flown_study(
     flown: list[Flown] = []
     jumps: tuple[Jump, ...] = ()
     series = None
-    if compared is not None and shifted is not None:
+    scale = Scale(np.ones(0), {})
+    if compared is not None and reference is not None:
         jumps = jumps_of(compared, solution, interval, _step_sigma(budgeted, compared))
-        for number, stretch in enumerate(track.stretches):
-            progress(stretch.name, 0.4 + 0.5 * number / len(track.stretches))
-            flown.append(line_of(stretch, budgeted, compared, jumps, shifted))
+        seen = {stretch: seen_on(stretch, budgeted, compared) for stretch in track.stretches}
+        scale = _scale(budgeted, seen)
+        for number, (stretch, on_it) in enumerate(seen.items()):
+            progress(stretch.name, 0.4 + 0.5 * number / len(seen))
+            states = states_of(on_it, budgeted, scale, reference) if on_it else {}
+            flown.append(line_of(stretch, budgeted, images_of(stretch, budgeted, compared, jumps), states))
         series = _series(budgeted, flown)
     lines = [each.line for each in flown]
     if len(flown) > 1:
@@ -147,6 +155,7 @@ def flown_study(
         claims=claims,
         nees={} if compared is None or reference is None else _nees(chosen, solution, reference, compared, lines),
         receiver=receiver_of(design, compared) if compared is not None and solution.attitude is None else {},
+        noise=scale.factors,
         series=series,
         verdict=verdict,
         reason=reason,
@@ -183,6 +192,31 @@ def _step_sigma(budgeted: Budgeted, compared: Compared) -> float:
     return math.hypot(moved, math.sqrt(float(np.mean(taken))))
 
 
+def _scale(budgeted: Budgeted, seen: Mapping[Stretch, Seen | None]) -> Scale:
+    """The noise of IMU and receiver over that of the design, by all lines."""
+    known = [(stretch.stop - stretch.start, one) for stretch, one in seen.items() if one is not None]
+    sources = budgeted.followed.model.states.sources
+    if not known or budgeted.relation == "reverse":
+        return Scale(np.ones(len(sources)), {})
+    time = sum(duration for duration, _ in known)
+    variances = budgeted.followed.states[budgeted.seen]
+    of_budget, of_flight, freedom = (
+        np.sum(parts, axis=0)
+        for parts in zip(
+            *(
+                (
+                    duration / time * variances[:, one.on].mean(axis=1),
+                    duration / time * one.mean_square,
+                    np.array([one.freedom(axis) for axis in range(AXES)]),
+                )
+                for duration, one in known
+            ),
+            strict=True,
+        )
+    )
+    return scale_of(sources, of_budget, of_flight, freedom)
+
+
 def _series(budgeted: Budgeted, flown: list[Flown]) -> Series:
     """The series along time."""
     names = dict.fromkeys(name for each in flown for name in each.apertures)
@@ -190,9 +224,7 @@ def _series(budgeted: Budgeted, flown: list[Flown]) -> Series:
         name: np.concatenate([each.apertures.get(name, np.full(len(each.aperture_s), np.nan)) for each in flown])
         for name in names
     }
-    spread = budgeted.followed.difference
-    if spread is None:
-        spread = budgeted.states(budgeted.processing)
+    spread = budgeted.followed.states[budgeted.seen].sum(axis=0)
     at = np.concatenate([each.aperture_s for each in flown]) if flown else np.zeros(0)
     return Series(at, apertures, budgeted.track.clock.of_solution(budgeted.outputs_s), np.sqrt(spread))
 
@@ -251,9 +283,9 @@ def _denied(relation: Relation, reference: Solution | None, lines: list[FlownLin
     logs, weights = list[float](), list[float]()
     for name in ("horizontal_position", "horizontal_velocity", "tilt"):
         known = [line.figures[name] for line in lines if name in line.figures and line.name != ALL]
-        known = [one for one in known if one.freedom >= _LEAST_FREEDOM and one.ratio > 0.0]
-        if known:
-            weight = sum(one.freedom for one in known)
+        known = [one for one in known if one.ratio > 0.0]
+        weight = sum(one.freedom for one in known)
+        if weight >= _ENOUGH:
             logs.append(sum(one.freedom * math.log(one.ratio) for one in known) / weight)
             weights.append(2.0 * weight)  # the logarithm of a sigma of so many degrees has half their inverse
     if len(logs) < 2:

@@ -64,13 +64,14 @@ def figures_on_lines(
 
 
 class Followed(NamedTuple):
-    """The errors along a flight, the filter's run, the figures by processing, and variances (outputs, 9) of the
-    filter's output less the smoothed one: position, velocity, and roll, pitch, yaw; None unless asked for."""
+    """The errors along a flight, the filter's run, the figures by processing, and variances by source (sources,
+    outputs, 9) of position, velocity and roll, pitch, yaw after each fix: by processing, and where that is asked for
+    under `passes.DIFFERENCE` of the filter's output less the smoothed one."""
 
     model: ErrorModel
     run: FilterRun
     figures: Mapping[str, Processed]
-    difference: FloatArray | None
+    states: Mapping[str, FloatArray]
 
 
 def followed(
@@ -125,8 +126,7 @@ def followed(
             rest = aperture.smoothed_rest(whole, image, free_rest)
         states, judged = forward.states[name], forward.judged[name]
         figures[name] = processed(spec, model, apertures, states, judged, image, rest, name)
-    apart = forward.states[passes.DIFFERENCE].sum(axis=0) if difference else None
-    return Followed(model, run, figures, apart)
+    return Followed(model, run, figures, forward.states)
 
 
 def _of_lines(spec: CovarianceSpec, model: ErrorModel) -> ErrorModel:

@@ -1,0 +1,180 @@
+"""Image figures of a flown line from the difference of two solutions, by apertures that slide along it. [F-2]"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from nav_model.budget.inputs import Inputs
+from nav_model.design.figures import IN_FLIGHT, PARTS_OF_PHASES
+from nav_model.flown.budgeted import Budgeted, Square
+from nav_model.flown.relation import Compared
+from nav_model.flown.result import Jump
+from nav_model.flown.spread import Sums, covariance_of, freedom, mean_square, of_images
+from nav_model.flown.track import Stretch
+from nav_model.trajectory import aperture
+from nav_model.trajectory.place import PLACES, places_of
+from nav_model.trajectory.result import STATE_AXES
+
+FloatArray = NDArray[np.float64]
+FIGURES_FLOWN = tuple(name for name in IN_FLIGHT if name not in PARTS_OF_PHASES)
+"""Figures that a flown flight may show."""
+_ACROSS = 0.25  # of an aperture, from one to the next
+_LEAST_SAMPLES = 20  # in an aperture
+_WINDOW = 100  # apertures whose covariance gives the freedom of a longer line
+_FILTER = "a filter's output has the steps of its fixes, which an image from the free INS has not; the raw log tells"
+_COMMON = "both passes share noise and fixes over an aperture"
+
+
+@dataclass(frozen=True, eq=False)
+class Images:
+    """Mean squares of the image figures on a line, how many apertures were left out, and the middles of the others
+    [s] with one sigma of each figure."""
+
+    squares: Mapping[str, Square]
+    left_out: int
+    aperture_s: FloatArray
+    apertures: Mapping[str, FloatArray]
+
+
+def images_of(stretch: Stretch, budgeted: Budgeted, compared: Compared, jumps: tuple[Jump, ...]) -> Images:
+    """The image figures of a line.
+
+    Parameters
+    ----------
+    stretch : Stretch
+    budgeted : Budgeted
+    compared : Compared
+    jumps : tuple of Jump
+        Which no aperture may touch.
+    """
+    x, T = budgeted.x, float(budgeted.x.aperture)
+    begin = np.arange(stretch.start, stretch.stop - T + 1e-9, _ACROSS * T)
+    at = np.array([jump.time_s for jump in jumps])
+    touched = np.searchsorted(at, begin + T, side="right") > np.searchsorted(at, begin - 1e-9)
+    first = np.searchsorted(compared.time_s, begin)
+    last = np.searchsorted(compared.time_s, begin + T, side="right")
+    few = last - first < _LEAST_SAMPLES
+    budget = _of_budget(stretch, budgeted)
+    usable = begin[~touched & ~few]
+    if not usable.size:
+        why = "the plan's line is shorter than an aperture" if not begin.size else ""
+        if few.any():
+            why = f"fewer than {_LEAST_SAMPLES} samples in an aperture of {T:.3g} s"
+        elif touched.any():
+            why = "a jump, a gap or a change of fix in every aperture"
+        empty = {
+            name: Square(math.nan, 0.0, others, navigation, 0.0, 0, why)
+            for name, (navigation, others) in budget.items()
+        }
+        return Images(empty, int(touched.sum()), np.zeros(0), {})
+    columns, rest = sums_of_samples(compared.time_s, compared.position, compared.track, usable, x)
+    squares = columns**2
+    mean, mean_rest = squares.mean(axis=0), np.full((1, 1), rest.mean())
+    values = {name: float(one[0, 0]) for name, one in aperture.figures(mean[None, None], x, mean_rest).items()}
+    moved = aperture.shifts_of(mean[None])
+    values |= {
+        name: float(sigma[0] ** 2)
+        for name, (sigma, _) in places_of(moved, aperture.shifts_of(mean[None, None]), x).items()
+    }
+    C, factors, window = _spread(usable, budgeted)
+    expected = mean_square(C)
+    by_aperture = aperture.figures(squares[None], x, rest[None])
+    made: dict[str, Square] = {}
+    refused = _COMMON if budgeted.relation == "reverse" else "" if budgeted.post_processed else _FILTER
+    for name, (navigation, others) in budget.items():
+        degrees = freedom(C, factors[name]) * len(usable) / window
+        if not budgeted.post_processed and name not in PLACES:
+            navigation = float(expected @ factors[name])  # of the filter's output, steps and all
+        made[name] = Square(values[name], 0.0, others, navigation, degrees, len(usable), refused)
+    series = {name: np.sqrt(np.maximum(by_aperture[name][0], 0.0)) for name in made if name in by_aperture}
+    return Images(made, int(touched.sum()), usable + 0.5 * T, series)
+
+
+def sums_of_samples(
+    time: FloatArray, position: FloatArray, track: FloatArray, begin: FloatArray, x: Inputs
+) -> tuple[FloatArray, FloatArray]:
+    """The sums of apertures over a recorded error, and the mean square that their coefficients leave along the line
+    of sight [m²], by fits with trapezia in time as weights.
+
+    Parameters
+    ----------
+    time : array (n,)
+        Seconds.
+    position, track : array (n, 3)
+        The error [m], and the velocity over the ground [m/s], north, east, down.
+    begin : array (apertures,)
+        Seconds.
+    x : Inputs
+
+    Returns
+    -------
+    array (apertures, COLUMNS), array (apertures,)
+    """
+    T = float(x.aperture)
+    in_middle = np.column_stack([np.interp(begin + 0.5 * T, time, axis) for axis in track.T])
+    sums, sight = aperture.sums_of(in_middle, x)
+    columns, rest = np.zeros((len(begin), aperture.COLUMNS)), np.zeros(len(begin))
+    for a, start in enumerate(begin):
+        inside = slice(np.searchsorted(time, start, side="right"), np.searchsorted(time, start + T))
+        t = np.concatenate([[start], time[inside], [start + T]])
+        ends = np.column_stack([np.interp(t[[0, -1]], time, axis) for axis in position.T])
+        error = np.vstack([ends[:1], position[inside], ends[1:]])
+        u = 2.0 * (t - start) / T - 1.0
+        weight = 0.5 * np.diff(u)
+        weight = np.concatenate([weight, [0.0]]) + np.concatenate([[0.0], weight])
+        # A fit, not integrals: what is constant or grows over the aperture is far larger than what it leaves.
+        of_orders = legendre.legvander(u, aperture.ORDERS - 1)
+        weighed = of_orders * weight[:, None]
+        coefficients = np.linalg.solve(weighed.T @ of_orders, weighed.T @ error)
+        columns[a] = np.einsum("cmx,mx->c", sums[a], coefficients)
+        rest[a] = 0.5 * float(weight @ ((error - of_orders @ coefficients) @ sight[a]) ** 2)
+    return columns, rest
+
+
+def _of_budget(stretch: Stretch, budgeted: Budgeted) -> dict[str, tuple[float, float]]:
+    """Mean squares of the image figures on a line by the budget: of navigation, and of all else."""
+    model, on = budgeted.followed.model, budgeted.on(stretch, image=True)
+    part = budgeted.followed.figures[budgeted.processing]
+    squares = {}
+    for name in FIGURES_FLOWN:
+        if name in STATE_AXES or name not in part.figures:
+            continue
+        there = on & np.isfinite(part.figures[name])
+        if not there.any():
+            continue
+        whole = part.figures[name][there] ** 2
+        share = np.nan_to_num(part.shares[name][: len(model.states.sources), there].sum(axis=0))
+        navigation = whole if name in PLACES else whole * np.minimum(share, 1.0)
+        squares[name] = float(navigation.mean()), float((whole - navigation).mean())
+    return squares
+
+
+def _spread(begin: FloatArray, budgeted: Budgeted) -> tuple[FloatArray, Mapping[str, FloatArray], int]:
+    """Covariance of the sums of the first apertures, the factors of each figure on its mean square, and how many
+    apertures these are."""
+    model, x = budgeted.followed.model, budgeted.x
+    at = budgeted.track.clock.in_flight(begin)
+    inside = (at >= 0.0) & (at + float(x.aperture) <= model.time_s[-1])
+    at = at[inside][:_WINDOW]
+    whole = {
+        name: values[:, 0]
+        for name, values in aperture.figures(
+            np.eye(aperture.COLUMNS)[:, None], x, np.zeros((aperture.COLUMNS, 1))
+        ).items()
+    }
+    shift = np.eye(aperture.COLUMNS)
+    whole |= {
+        "azimuth_shift": shift[aperture.ORDERS],
+        "range_shift": shift[0],
+        "ce90": shift[0] + shift[aperture.ORDERS],
+    }
+    whole = {name: values for name, values in whole.items() if name in FIGURES_FLOWN}
+    columns = np.flatnonzero(np.any([values != 0.0 for values in whole.values()], axis=0))
+    sums = of_images(model, x, aperture.apertures_at(model, x, at, np.arange(len(at))))
+    chosen = Sums(sums.first, sums.before[:, :, columns], sums.after[:, :, columns])
+    C = covariance_of(model, budgeted.followed.run, budgeted.adjoint, chosen, budgeted.error)
+    return C, {name: values[columns] for name, values in whole.items()}, len(at)

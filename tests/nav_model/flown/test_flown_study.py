@@ -1,0 +1,189 @@
+"""Made flights, whose errors are known, against the verdict, the lag, the noise and the relation that are named."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from nav_model import flown_study
+from nav_model.base.errors import InputError
+from nav_model.design.file import parse_design
+from nav_model.flown.result import ALL, to_json
+from nav_model.flown.solution import Claims
+from tests.support import made_flights as made
+
+DESIGN = parse_design("""
+radar.wavelength = "3.1 cm"
+imu.angle_random_walk = "0.1 °/√h"
+imu.velocity_random_walk = "0.03 m/s/√h"
+trajectory.flight = "lines"
+trajectory.lines = 3
+trajectory.length = "9 km"
+trajectory.spacing = "2 km"
+""")
+STATES = {"horizontal_position": slice(0, 2), "horizontal_velocity": slice(3, 5), "tilt": slice(6, 8)}
+
+
+@pytest.fixture(scope="module")
+def flights():
+    return made.fly(DESIGN, 6, seed=11)
+
+
+def pair(flights, run, rate=5.0):
+    return (
+        made.solution(flights, flights.after[:, :, run], 1.0, "real-time"),
+        made.solution(flights, flights.smoothed[:, :, run], rate, "post-processed"),
+    )
+
+
+def truth(flights, run, axes):
+    """Root mean square of the larger axis on the lines."""
+    model = flights.model
+    on = [(model.time_s >= line.start) & (model.time_s <= line.stop) for line in flights.spec.lines]
+    return math.sqrt(np.mean([(flights.after[each, axes, run] ** 2).mean(axis=0).max() for each in on]))
+
+
+def all_lines(result):
+    return next(line for line in result.lines if line.name == ALL).figures
+
+
+@pytest.mark.parametrize(("factor", "verdict"), [(2.0, "met"), (0.5, "not met")])
+def test_the_verdict_is_that_of_the_errors(flights, factor, verdict) -> None:
+    """Two flights against limits well above and well below what is known of their errors."""
+    for run in (0, 1):
+        size = np.mean([truth(flights, each, STATES["horizontal_position"]) for each in range(6)])
+        confidence = DESIGN.requirements.confidence
+        design = DESIGN.replace({"requirements.horizontal_position": float(factor * confidence * size)})
+        result = flown_study(design, *pair(flights, run))
+        assert (result.relation, result.verdict) == ("smoothed", verdict)
+        assert not result.jumps
+        assert to_json(result)["verdict"] == verdict
+
+
+@pytest.mark.slow
+def test_of_a_hundred_flights_nearly_all_get_the_right_verdict() -> None:
+    """Each of its own noise, with IMU or receiver up to twice as noisy, and limits on both sides of truth."""
+    rng, right, told = np.random.default_rng(3), 0, 0
+    for group in range(10):
+        flights = made.fly(DESIGN, 10, seed=group, imu=rng.uniform(1.0, 2.0), gnss=rng.uniform(1.0, 2.0))
+        sizes = {name: np.mean([truth(flights, run, axes) for run in range(10)]) for name, axes in STATES.items()}
+        for run in range(10):
+            name, met = rng.choice(list(STATES)), bool(rng.integers(2))
+            limit = sizes[name] * (1.8 if met else 0.55) * DESIGN.requirements.confidence
+            result = flown_study(DESIGN.replace({f"requirements.{name}": float(limit)}), *pair(flights, run))
+            right += result.verdict == ("met" if met else "not met")
+            told += result.verdict != "cannot be told"
+    assert right >= 95
+    assert told == 100
+
+
+def test_an_image_is_held_against_an_independent_reference(flights) -> None:
+    solution = made.solution(flights, flights.smoothed[:, :, 0], 20.0, "post-processed")
+    reference = made.solution(flights, 0.0 * flights.smoothed[:, :, 0], 20.0, "")
+    reference = replace(reference, place=reference.place + np.array([1e-6, 0.0, 2.0]))  # another datum: no phase
+    result = flown_study(DESIGN, solution, reference)
+    figures = all_lines(result)
+    assert result.relation == "independent"
+    for name in ("quadratic_phase", "detrended_phase"):
+        assert figures[name].against_budget == "consistent"
+        assert 0.6 < figures[name].ratio < 1.5
+    assert result.compared.offset[2].value == pytest.approx(-2.0, abs=0.3)
+
+
+def test_phases_of_a_filter_are_not_those_of_the_free_ins(flights) -> None:
+    """Its fixes make steps: the phase is far beyond the image's, and cannot be told against it."""
+    solution = made.solution(flights, flights.after[:, :, 0], 20.0, "real-time")
+    reference = made.solution(flights, 0.0 * flights.after[:, :, 0], 20.0, "")
+    design = DESIGN.replace({"requirements.detrended_phase": math.radians(60.0)})
+    result = flown_study(design, solution, reference)
+    phase = all_lines(result)["detrended_phase"]
+    assert phase.verdict == "cannot be told"
+    assert "the raw log tells" in phase.reason
+    assert phase.budget > 5 * result.spec.inputs.aperture  # degrees of thousands, in radians above tens
+
+
+def test_a_lag_is_found_in_turns(flights) -> None:
+    solution, reference = pair(flights, 2)
+    late = replace(solution, time_s=solution.time_s + 0.2)
+    result = flown_study(DESIGN, late, reference)
+    lag = result.compared.lag
+    assert lag.removed
+    assert lag.value == pytest.approx(0.2, abs=0.05)
+    assert all_lines(result)["horizontal_position"].against_budget == "consistent"
+    kept = flown_study(DESIGN, late, reference, remove_lag=False)
+    assert kept.compared.lag.value == pytest.approx(0.2, abs=0.05)
+    assert all_lines(kept)["horizontal_position"].against_budget == "more"
+
+
+def test_on_a_straight_line_a_lag_is_an_offset() -> None:
+    design = DESIGN.replace({"trajectory.flight": "straight", "trajectory.duration": 200.0})
+    flights = made.fly(design, 1, seed=5)
+    solution, reference = pair(flights, 0)
+    result = flown_study(design, replace(solution, time_s=solution.time_s + 0.2), reference)
+    assert not result.compared.lag.removed
+    assert "does not part a lag from an offset" in result.compared.remark
+
+
+def test_utc_beside_gps_time_is_named(flights) -> None:
+    solution, reference = pair(flights, 3)
+    result = flown_study(DESIGN, replace(solution, time_s=solution.time_s - 18.0), reference)
+    assert result.compared.lag.value == pytest.approx(-18.0, abs=0.05)
+    assert any("is UTC beside GPS time" in note for note in result.notes)
+    marked = replace(solution, time_s=solution.time_s - 18.0 + 315_964_800.0, clock="utc")
+    assert flown_study(DESIGN, marked, reference).compared.lag.value == pytest.approx(0.0, abs=0.05)
+
+
+def test_an_imu_three_times_as_noisy_is_told() -> None:
+    flights = made.fly(DESIGN, 4, seed=2, imu=3.0)
+    values = [flown_study(DESIGN, *pair(flights, run)).noise["imu"] for run in range(3)]
+    assert all(one.low_95 < 3.0 < one.high_95 for one in values)
+    assert np.mean([one.value for one in values]) == pytest.approx(3.0, rel=0.25)
+
+
+def test_a_real_time_reference_is_not_smoothed(flights) -> None:
+    solution, _ = pair(flights, 0)
+    other = replace(pair(flights, 1)[0], kind="real-time")
+    result = flown_study(DESIGN, solution, other, relation="smoothed")
+    assert any(note.startswith("the relation is denied") for note in result.notes)
+
+
+def test_passes_in_both_directions_give_no_image(flights) -> None:
+    solution, reference = pair(flights, 0, rate=20.0)
+    result = flown_study(DESIGN, replace(solution, smoothing="forward"), replace(reference, smoothing="backward"))
+    assert result.relation == "reverse"
+    phase = all_lines(result).get("detrended_phase")
+    assert phase is None or math.isnan(phase.flown) or "share noise" in phase.reason
+
+
+def test_a_jump_is_listed_and_its_apertures_left_out(flights) -> None:
+    solution = made.solution(flights, flights.smoothed[:, :, 0], 20.0, "post-processed")
+    reference = made.solution(flights, 0.0 * flights.smoothed[:, :, 0], 20.0, "")
+    line = flights.spec.lines[1]
+    moved = reference.place + np.where(reference.time_s - 1000.0 > line.start + 30.0, 3.0, 0.0)[:, None] * [0, 0, 1]
+    result = flown_study(DESIGN, solution, replace(reference, place=moved))
+    assert [jump.cause for jump in result.jumps] == ["step"]
+    assert result.jumps[0].size_m == pytest.approx(3.0, abs=0.1)
+    assert result.jumps[0].time_s - 1000.0 == pytest.approx(line.start + 30.0, abs=0.1)
+    assert [flown.apertures_left_out > 0 for flown in result.lines[:3]] == [False, True, False]
+
+
+def test_claims_alone_are_no_error(flights) -> None:
+    solution, _ = pair(flights, 0)
+    claims = Claims("sigma", position=np.full((len(solution.time_s), 3), 0.5))
+    design = DESIGN.replace({"requirements.horizontal_position": 4.0})
+    result = flown_study(design, replace(solution, claims=claims))
+    assert (result.verdict, result.reason) == ("cannot be told", "claimed to be met: a claim is no error")
+    one = result.claims["line 1"]["horizontal_position"]
+    assert one["claimed"] == pytest.approx(0.5 * design.requirements.confidence)
+    assert not result.lines
+
+
+def test_what_has_nothing_in_common_is_refused(flights) -> None:
+    solution, reference = pair(flights, 0)
+    with pytest.raises(InputError, match="in common"):
+        flown_study(DESIGN, solution, replace(reference, time_s=reference.time_s + 50_000.0))
+    with pytest.raises(InputError, match="another place"):
+        flown_study(DESIGN, solution, replace(reference, place=reference.place + np.array([0.1, 0.0, 0.0])))
+    with pytest.raises(InputError, match="needs a reference"):
+        flown_study(DESIGN, solution, relation="smoothed")
