@@ -40,9 +40,16 @@ def html_of(*blocks: Block, html: Prose = prose) -> str:
 
 def _answer(answer: Answer, html: Prose) -> str:
     why = " ".join(f"<p>{html(sentence)}</p>" for sentence in answer.sentences)  # one line of text in a report
-    tip = f' title="{escape(answer.tip)}"' if answer.tip else ""
-    word = f"<h2{tip}>{html(answer.word)}</h2>" if answer.word else ""
+    word = f"<h2>{html(answer.word)}</h2>" if answer.word else ""
+    if answer.tip:
+        word = term(word, answer.tip)
     return f'<div class="strip {answer.tone}" role="status">{word}{why}</div>'
+
+
+def term(word: str, meaning: str) -> str:
+    """A word, as HTML, that unfolds its meaning below it when it is pressed."""
+    meaning = prose(meaning[:1].upper() + meaning[1:])
+    return f'<details class="term"><summary>{word}</summary><div>{meaning}</div></details>'
 
 
 _SENTENCES = 1.8  # weight of a column beyond which it holds sentences and keeps room where the screen is narrow

@@ -8,6 +8,7 @@ from html import escape
 
 from app.document.blocks import KeyFigure, KeyFigures
 from app.document.numbers import margin_in_short
+from app.document.pane import term
 
 _ORDER = ("not met", "refused", "open", "met")
 
@@ -33,9 +34,8 @@ def tiles_html(figures: KeyFigures, before: KeyFigures | None = None) -> str:
 
 
 def _other(figure: KeyFigure, was: KeyFigure | None) -> str:
-    label = escape(figure.label)
     return (
-        f'<div class="card" title="{label}: {escape(figure.detail)}"><dt>{label}</dt> '
+        f'<div class="card"><dt>{_name(figure)}</dt> '
         f'<dd><span class="big num">{escape(figure.value)}</span> {_change(figure, was)}</dd></div>'
     )
 
@@ -53,12 +53,16 @@ def _tile(figure: KeyFigure, was: KeyFigure | None, tone: str) -> str:
         bar += f'<b style="width:{_share(was.used)}%"></b>'
     below = f"<span>{escape(limit or figure.limit or 'no limit')}</span>{_change(figure, was)}"
     beside = f'<dd class="fine quiet">{escape(figure.beside)}</dd>' if figure.beside else ""
-    label = escape(figure.label)
     return (
-        f'<div class="card tile {tone}" title="{label}: {escape(figure.detail)}"><dt>{label}</dt>'
+        f'<div class="card tile {tone}"><dt>{_name(figure)}</dt>'
         f'<dd><span class="big num{" last" if figure.last else ""}">{escape(figure.value)}</span> {mark}</dd>'
         f'<dd class="bar" aria-hidden="true">{bar}</dd><dd class="fine">{below}</dd>{beside}</div>'
     )
+
+
+def _name(figure: KeyFigure) -> str:
+    """The label of a figure, which unfolds what the figure is."""
+    return term(escape(figure.label), figure.detail) if figure.detail else escape(figure.label)
 
 
 def _share(used: float | None) -> str:

@@ -100,6 +100,22 @@ def test_the_main_job_by_keyboard_alone(visit: Visit) -> None:
     expect(page.get_by_role("status").filter(has_text="Saved: revision 1")).to_be_visible()
 
 
+def test_a_term_says_what_it_means_to_a_keyboard(visit: Visit) -> None:
+    page = visit()
+    for term, meaning in (
+        ("Does not close", "A design closes when every requirement is met."),
+        ("Detrended phase", "Rms after a line is removed"),
+        ("Horizontal position", "before a fix, where the error is largest"),
+    ):
+        said = page.locator("details.term").filter(has_text=term).filter(has_text=meaning)
+        expect(said.get_by_text(meaning)).to_be_hidden()
+        said.locator("summary").focus()
+        page.keyboard.press("Enter")
+        expect(said.get_by_text(meaning)).to_be_visible()
+        page.keyboard.press("Enter")
+        expect(said.get_by_text(meaning)).to_be_hidden()
+
+
 def test_the_first_result_is_near_and_the_page_has_one_outline(visit: Visit) -> None:
     """One stop from the top of the page to the answer; one h1; headings go down by one level at a time."""
     page = visit()

@@ -86,7 +86,8 @@ def _detail(budget: Budget, figure: Figure, amount: float, display: Display) -> 
         chosen, mark = budget.design.requirements.steady_state, steady_marks(budget.design)["vertical" in figure.name]
         if chosen == "closed":
             return f"{spread}, {MOMENTS[chosen]} {mark}"
-        return f"{spread}, {MOMENTS[chosen]} [T-8]; average {text_of(figure.name, 'closed')} {mark}"
+        at = ", where the error is largest" if chosen == "prior" else ", where it is least"
+        return f"{spread}, {MOMENTS[chosen]}{at} [T-8]; average {text_of(figure.name, 'closed')} {mark}"
     if figure.kind == "outage":
         vertical = figure.name.replace("horizontal", "vertical")
         beside = f"; vertical {text_of(vertical)}" if figure.pair and vertical in FIGURES else ""

@@ -14,7 +14,7 @@ FIGURES = KeyFigures("What decides", (FREE, MET, FAILED))
 
 
 def names(html: str) -> list[str]:
-    return [str(element.text) for element in ET.fromstring(html).iter("dt")]
+    return [str(element.findtext("details/summary", element.text)) for element in ET.fromstring(html).iter("dt")]
 
 
 def widths(html: str) -> list[float]:
@@ -33,6 +33,15 @@ def test_nothing_is_green_beside_what_fails_or_is_open() -> None:
     assert names(html) == ["Heading", "CE90"]
     assert '<span class="big num last">0.1°</span> <span class="mark" title="margin">open</span>' in html
     assert "straight leg 2°" in html
+
+
+def test_a_name_unfolds_what_the_figure_is() -> None:
+    tiles = ET.fromstring(tiles_html(FIGURES)).iter("dt")
+    assert ["".join(tile.find("details/div").itertext()) for tile in tiles] == [
+        "In real time [S-5]", "Of one point [T-8]", "After the last fix [T-9]",
+    ]  # fmt: skip
+    (plain,) = ET.fromstring(tiles_html(KeyFigures("What decides", (replace(MET, detail=""),)))).iter("dt")
+    assert (plain.text, list(plain)) == ("CE90", [])
 
 
 def test_a_bar_is_the_part_of_the_limit_and_never_wider_than_all() -> None:
