@@ -1,4 +1,4 @@
-"""A drawer at the right of a page, of full height: what is filled in now and then, beside what is looked at."""
+"""A drawer over a part of a page: what is filled in now and then, beside what is looked at."""
 
 from pathlib import Path
 from typing import Any

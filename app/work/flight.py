@@ -20,6 +20,7 @@ from app.work.pool import run_in_pool
 from app.work.result_cache import cached, keep
 from app.work.run import Progress, Run
 from nav_model.base.errors import InputError
+from nav_model.base.units import clock, time_in_words
 from nav_model.budget import Budget, analyse
 from nav_model.budget.verdict import Check
 from nav_model.design import Design
@@ -79,9 +80,9 @@ class Followed:
         study, lines = self.result.spec.study, len(self.result.spec.lines)
         plan: Any = Trajectory.param["flight"]
         what = f"the file {self.file}" if self.file else plan.options[self.design.trajectory.flight]
-        gaps = ", ".join(f"{start:g} s to {stop:g} s" for start, stop in study.outages)
+        gaps = ", ".join(f"{clock(start)} to {clock(stop)} min" for start, stop in study.outages)
         counted = f"{lines} line{'' if lines == 1 else 's'}, " if lines else ""
-        text = f"Flight: {what}, {counted}{study.duration:.0f} s; outages: {gaps or 'none'}"
+        text = f"Flight: {what}, {counted}{time_in_words(study.duration)}; outages: {gaps or 'none'}"
         return f"{text}; filter of {study.filter.states} states."
 
     def place(self, north: float, east: float) -> tuple[float, float]:

@@ -33,6 +33,10 @@ def test_a_strip_is_judged_line_by_line_and_a_plan_from_a_file_too(
     page.get_by_role("button", name="Plan", exact=True).click()
     _choose(page, "Parallel lines")
     expect(answer).to_contain_text(re.compile(r"fails on line \d"))
+    # The drawer lies beside the map and the verdicts, which show what it changes.
+    close, heading = page.get_by_role("button", name="Close", exact=True), page.get_by_text("Verdict by line")
+    ends, begins = close.bounding_box(), heading.bounding_box()
+    assert ends["x"] + ends["width"] < begins["x"]
     expect(page.get_by_text("Heading is observed")).to_be_visible()
     page.get_by_role("button", name="Close", exact=True).click()
     # One marker: the pointer on a time chart moves a dot on the map.

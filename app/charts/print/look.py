@@ -8,6 +8,7 @@ import numpy as np
 
 from app.charts.kinds import Line, Points
 from app.charts.styles import STYLES, Style, behind_text
+from nav_model.base.units import clock
 
 DASHES: dict[str, Any] = {
     "solid": "-",
@@ -18,6 +19,7 @@ DASHES: dict[str, Any] = {
 }
 MARKERS = {"circle": "o", "diamond": "D", "square": "s", "triangle": "^", "x": "x", "cross": "+", "name": "o"}
 LINE_SCALE = 0.62  # a pixel on screen, in points on paper
+_MINUTE_STEPS = (1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600)  # s
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # Where a name may stand beside its point: offset in points, alignment.
 _BESIDE = ((5, 0, "left", "center"), (-5, 0, "right", "center"), (0, 5, "center", "bottom"), (0, -5, "center", "top"))
@@ -67,6 +69,17 @@ def log_axis(axis: Any) -> None:
     near_one = low >= 1e-4 and high < 1e5
     axis.set_major_formatter(FuncFormatter(plain_number if near_one else power_of_ten))
     axis.set_minor_formatter(NullFormatter())
+
+
+def clock_axis(axis: Any) -> None:
+    """Ticks of an axis of seconds at whole minutes, or parts of them, as "8:10"."""
+    from matplotlib.ticker import FuncFormatter, MultipleLocator
+
+    start, end = axis.get_view_interval()
+    step = next((step for step in _MINUTE_STEPS if end - start <= 8 * step), _MINUTE_STEPS[-1])
+    axis.set_major_locator(MultipleLocator(step))
+    axis.set_major_formatter(FuncFormatter(lambda seconds, _: clock(seconds)))
+    axis.set_label_text("time [min:s]")
 
 
 def label_ends(figure: Any, axes: Any, lines: Sequence[Line]) -> None:

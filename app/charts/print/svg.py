@@ -12,9 +12,19 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from app.charts.kinds import BarChart, Chart, DotChart, Drawing, MapChart, PictureChart, Points, spread_of
+from app.charts.kinds import CLOCK, BarChart, Chart, DotChart, Drawing, MapChart, PictureChart, Points, spread_of
 from app.charts.print.grid import ROW_HEIGHT, draw_dots, draw_map, draw_pictures, pictures_height
-from app.charts.print.look import BEHIND, LINE_SCALE, MARKERS, label_ends, label_points, log_axis, pen, plain
+from app.charts.print.look import (
+    BEHIND,
+    LINE_SCALE,
+    MARKERS,
+    clock_axis,
+    label_ends,
+    label_points,
+    log_axis,
+    pen,
+    plain,
+)
 from app.charts.styles import STYLES
 
 WIDTH = 166.0  # mm: the text width of an A4 page
@@ -153,6 +163,8 @@ def _curves(axes: Any, chart: Chart) -> None:
     for is_log, axis in ((chart.x_log, axes.xaxis), (chart.y_log, axes.yaxis)):
         if is_log:
             log_axis(axis)
+    if chart.x_label == CLOCK:
+        clock_axis(axes.xaxis)
 
 
 def _beginning(label: str) -> str:

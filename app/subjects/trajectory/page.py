@@ -59,6 +59,7 @@ _UPLOAD = 20_000_000  # bytes
 _HAVE_A_LENGTH = tuple(name for name in _NAMED.values() if name not in (LINES, WAYPOINTS))
 _SETTLE_SECONDS = 0.05  # a slider has come to rest after this long
 _HEIGHT = "max(100dvh - 104px, 612px)"  # room for four charts above each other
+_FRAME = 110  # pixels of each of the four frames
 _LOOK: dict[str, Any] = {"margin": (6, 4, 2, 4), "size": "small"}  # above: room for the label, where fields wrap
 _RARE: dict[str, Any] = {"sizing_mode": "stretch_width", "size": "small", "explained": True}
 _NUMBERS = ("climb_rate", "acceleration", "ground", *AIDING)
@@ -96,15 +97,17 @@ class TrajectoryPage(StudyPage[Followed]):
         self._bar.start.param.update(icon="straighten", variant="outlined", size="small")
         self._drawer = Drawer("Plan", "route", *self._plan_parts())
         quantity = pmui.Select.from_param(self.param.figure, width=170, **_LOOK)
-        self._stack = Timelines(timelines(None, self._shown))
+        self._stack = Timelines(timelines(None, self._shown), pixels=_FRAME)
         self._marker = PathMarker(self._stack.plots)
         self._head = html_pane("", margin=(6, 10, 0, 10))
         figures = [pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots]
         for figure, share in zip(figures, ("1", "1", "1", "1.5"), strict=True):  # the last has the axis
             figure.styles = {"flex": f"{share} 1 0"}
+        # The drawer lies over the curves: map and verdicts follow beside it as the plan changes.
         curves = pn.Column(
-            self._head, *figures, sizing_mode="stretch_both", min_height=430, stylesheets=[STACK_ON_A_PHONE]
-        )
+            self._head, *figures, self._drawer, sizing_mode="stretch_both", min_height=430,
+            styles={"position": "relative"}, stylesheets=[STACK_ON_A_PHONE],
+        )  # fmt: skip
         whole: dict[str, Any] = {"sizing_mode": "stretch_both", "stylesheets": [NARROW]}
         self._sources: tuple[str, ...] = ()  # of the chart of shares that is shown
         self._shares = pn.Column(html_pane(_COMING))
@@ -127,7 +130,6 @@ class TrajectoryPage(StudyPage[Followed]):
                     ("Exports", lambda: of_flight.later(self._exports)),
                 )
             ),
-            self._drawer,
         )
         session.param.watch(self._flown, "findings")
         self._follow_plan()

@@ -14,6 +14,7 @@ from app.subjects.trajectory.figures import FIGURES, factor, show_value, spread_
 from app.work.flight import Followed
 from nav_model.base.units import clock, time_in_words
 from nav_model.design.figures import figure_in_sentence
+from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 
 if TYPE_CHECKING:
     from nav_model.trajectory.result import LineResult, TrajectoryResult
@@ -90,6 +91,7 @@ def line_list(followed: Followed, name: str) -> TableBlock:
     for place, (line, length) in enumerate(zip(result.lines, lengths, strict=True), 1):
         figure = FIGURES[line.fails_by or line.excess[0] or name]
         worst, limit = line.worst.get(figure.name), line.limits.get(figure.name)
+        other = _worst_otherwise(result, line, figure.name)
         fails = "✗\u00a0fails", "bad"
         sign, tone = (("✓\u00a0keeps", "good") if limit else ("no limit", "")) if line.closes else fails
         label = line.name if not result.spec.lines or line.name == f"line {place}" else f"{place}  {line.name}"
@@ -97,7 +99,10 @@ def line_list(followed: Followed, name: str) -> TableBlock:
         why = "; ".join(filter(None, (why, line.remark))) or figure.label
         texts = (
             f"{why[:1].upper()}{why[1:]}",
-            NONE if worst is None else show_value(followed.design, figure.name, worst, like=limit),
+            *(
+                NONE if value is None else show_value(followed.design, figure.name, value, like=limit)
+                for value in (worst, other)
+            ),
             NONE if limit is None else show_value(followed.design, figure.name, limit, given=True),
         )
         rows.append(
@@ -111,10 +116,34 @@ def line_list(followed: Followed, name: str) -> TableBlock:
     return table(
         "trajectory-verdicts",
         f"Verdict by line, {result.spec.processing}, {spread_of(followed.design)}",
-        ("Line", "Limits", ("Decides", 1.5), *numbers("Worst", "Limit"), *(["Length"] if any(lengths) else [])),
+        (
+            "Line",
+            "Limits",
+            ("Decides", 1.5),
+            *numbers("Worst", f"Worst {_other(result)}", "Limit"),
+            *(["Length"] if any(lengths) else []),
+        ),
         rows,
         f"{result.heading.in_words(factor(followed.design, 'heading'))} {_swath(result)}".strip(),
     )
+
+
+def _other(result: TrajectoryResult) -> str:
+    """The processing that is not judged."""
+    return POST_PROCESSED if result.spec.processing == REAL_TIME else REAL_TIME
+
+
+def _worst_otherwise(result: TrajectoryResult, line: LineResult, name: str) -> float | None:
+    """The worst of a figure on a line in the processing that is not judged; None where that has none."""
+    from nav_model.trajectory.lines import along
+    from nav_model.trajectory.result import STATE_AXES
+
+    values = result.on_lines.figures[_other(result)].figures.get(name)
+    if values is None:
+        return None
+    on = along(line.start_s, line.stop_s, result.spec, result.time_s, image=name not in STATE_AXES)
+    known = values[on & np.isfinite(values)]
+    return float(known.max()) if known.size else None
 
 
 def _swath(result: TrajectoryResult) -> str:

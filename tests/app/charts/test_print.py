@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from app.charts.kinds import (
+    CLOCK,
     Band,
     Bar,
     BarChart,
@@ -245,3 +246,12 @@ def test_pictures_have_name_caption_axes_and_one_scale(count):
     assert words.count("power [dB] over the error-free peak") == 1
     assert {"azimuth [m]", "range [m]"} <= set(words)
     assert len(ET.fromstring(svg).findall(f".//{SVG}image")) >= count
+
+
+def test_the_time_of_a_flight_is_in_minutes_and_seconds() -> None:
+    time = np.linspace(0.0, 2500.0, 6)
+    chart = Chart("k", "T", CLOCK, "y [m]", (Line("a", "a", time, time + 1.0, "horizontal", ""),))
+    written = texts(to_svg(chart))
+    assert "time [min:s]" in written
+    assert {"0:00", "10:00", "40:00"} <= set(written)
+    assert "2500" not in written

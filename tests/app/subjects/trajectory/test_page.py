@@ -108,6 +108,11 @@ def test_the_strip_counts_the_lines_that_keep_every_limit(followed: Followed) ->
         assert [cell.text for cell in row][:2] == [line.name, "✗\u00a0fails"]
         assert row[2].text.startswith("Detrended phase over 20° all along the line; worst ")
     assert listed.note == followed.result.heading.in_words()
+    assert listed.columns[4].title == "Worst post-processed"
+    smoothed = followed.result.post_processed.figures["detrended_phase"]
+    for row, line in zip(listed.rows, followed.result.spec.lines, strict=True):
+        worst = math.degrees(smoothed[(time >= line.start + half) & (time <= line.stop - half)].max())
+        assert float(row[4].text.removesuffix("°")) == pytest.approx(worst, rel=5e-3)
 
 
 def test_the_page_solves_how_long_lines_may_be_when_asked_and_forgets_it_with_the_next_design(
@@ -373,7 +378,7 @@ def test_a_kml_file_has_every_line_with_its_verdict_and_escapes_its_name() -> No
         "out &amp; &lt;b&gt;in&lt;/b&gt;: detrended phase over "
     )  # HTML to viewers
     assert wide["description"].text == "wide keeps its limits."
-    assert flight["description"].text == "Flight: waypoints, 2 lines, 301 s; outages: none; filter of 9 states."
+    assert flight["description"].text == "Flight: waypoints, 2 lines, 5 min 1 s; outages: none; filter of 9 states."
     mission = parse_file(as_plan(followed), "again.plan")
     rows = plan["trajectory.waypoints"]
     assert [point.line for point in mission.waypoints] == ["out & in", "", "wide", ""]
@@ -411,7 +416,7 @@ def test_a_report_has_the_lines_of_the_design_that_it_is_of(
     html = target.read_text(encoding="utf-8")
     assert "detrended phase fails on line" in html
     assert "Flight: parallel lines, 2 lines, " in html
-    assert "outages: 100\xa0s to 130\xa0s" in html
+    assert "outages: 1:40 to 2:10\xa0min" in html
     assert "filter of 9 states" in html  # as page and command fly it
     assert "wrote" in capsys.readouterr().err
 
