@@ -23,8 +23,9 @@ from app.charts.styles import GREY, INK, STYLES, behind_text
 _LEFT = 80  # pixels left of every frame, so that the frames are aligned: room for "0.0005" and the axis' name
 _RIGHT = 30  # pixels right of every frame: the tools beside the first one
 _NARROW_SPAN = 0.15  # of the time axis: the name of a narrower span is in its middle
-_HEIGHT = 190  # pixels of a frame on the usual screen
-_NEAR = 0.15  # of the height: nearer labels would touch, and the lower one goes below its curve
+_HEIGHT = 150  # pixels of a frame on the usual screen
+_ROOM, _FARTHEST = 16.0, 40  # pixels of a name, and between it and its curve at most
+_NAMED = 0.18  # of the time axis: the names at the ends of curves are as long
 _FAINT: dict[str, Any] = {"line_alpha": 0.4, "line_width": 1.4}
 _STEPS = (1.0, 2.0, 5.0, 10.0)
 _READ_OUT = "".join(Path(__file__).with_name(name).read_text("utf-8") for name in ("clock.js", "read_out.js"))
@@ -41,6 +42,8 @@ class Timelines:
         what is fed later.
     beside : Timelines, optional
         Another stack, whose time axis this one shares.
+    pixels : int, optional
+        Height of a frame, for the places of names.
 
     Attributes
     ----------
@@ -54,11 +57,11 @@ class Timelines:
     >>> stack.feed(timelines(other))
     """
 
-    def __init__(self, charts: Sequence[Chart], beside: Timelines | None = None) -> None:
-        first = charts[0]
+    def __init__(self, charts: Sequence[Chart], beside: Timelines | None = None, pixels: int = _HEIGHT) -> None:
+        first, self._pixels = charts[0], pixels
         self._others: Sequence[Chart] = ()
         heights = self._heights(charts)
-        self._sources = Sources(_columns(charts, heights))
+        self._sources = Sources(_columns(charts, heights, self._pixels))
         self._nothing = {name: np.array([np.nan]) for name in _curves(charts)}
         self._was = ColumnDataSource(self._nothing, name="timelines compared")
         self._x_range = beside.plots[0].x_range if beside else Range1d(*_ends(charts))
@@ -74,7 +77,7 @@ class Timelines:
     def feed(self, charts: Sequence[Chart]) -> None:
         """Show other charts of the same structure."""
         heights = self._heights(charts)
-        self._sources.feed(_columns(charts, heights))
+        self._sources.feed(_columns(charts, heights, self._pixels))
         self._feed_frame(charts, heights)
 
     def compare(self, charts: Sequence[Chart] | None) -> None:
@@ -180,7 +183,7 @@ def _curves(charts: Sequence[Chart]) -> dict[str, Any]:
     return curves | {_column(chart, line.key): line.y for chart in charts for line in chart.lines}
 
 
-def _columns(charts: Sequence[Chart], heights: Sequence[_Range]) -> dict[str, dict[str, Any]]:
+def _columns(charts: Sequence[Chart], heights: Sequence[_Range], pixels: int) -> dict[str, dict[str, Any]]:
     """Source name -> columns."""
     columns = {"timelines": _curves(charts)}
     for chart, height in zip(charts, heights, strict=True):
@@ -195,33 +198,23 @@ def _columns(charts: Sequence[Chart], heights: Sequence[_Range]) -> dict[str, di
             "colour": [_colour(span) for span in chart.spans],
             "alpha": [0.08 if span.faint else 0.2 for span in chart.spans],
         }
-        columns[f"{chart.key} labels"] = _labels(chart, height, chart is charts[-1])
+        columns[f"{chart.key} labels"] = _labels(chart, height, chart is charts[-1], pixels)
     return columns
 
 
-def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
-    """Each curve's name at its end, above it, or below where it would touch the upper one, a limit or the frame.
+def _labels(chart: Chart, height: _Range, last: bool, pixels: int) -> dict[str, Any]:
+    """Each curve's name at its end.
 
     The span's name is in the last chart, on the time axis if it has a colour, else upright at the beginning of a wide
     span: the names of curves may be at its end.
     """
-    low, high = (_place(chart, bound) for bound in height)
     ends = []
     for line in chart.lines:
         seen = np.flatnonzero(np.isfinite(line.y))
-        if len(seen) and line.end != "":
+        if len(seen) and line.end != "" and (line.y[seen[-1]] > 0 or not chart.y_log):
             ends.append((float(line.x[seen[-1]]), float(line.y[seen[-1]]), line))
     ends.sort(key=lambda end: (end[0], -end[1]))
-    offsets: list[float] = []
-    for i, (x, y, line) in enumerate(ends):
-        over = (limit.level for limit in chart.limits if limit.start <= x <= limit.stop and limit.level > y)
-        above, near, lower = min([high, *(_place(chart, level) for level in over)]), _NEAR, 0.0
-        if i and ends[i - 1][0] == x:
-            above = _place(chart, ends[i - 1][1])
-            near = _NEAR if offsets[-1] < 0 else 2 * _NEAR  # a name below its curve is nearer to the next one
-            lower = offsets[-1] + 17.0 - _HEIGHT * (above - _place(chart, y)) / (high - low)  # below that name
-        below = 17.0 + _HEIGHT * min(_fall(chart, line) / (high - low), _NEAR)
-        offsets.append(max(below, lower) if above - _place(chart, y) < near * (high - low) else -4.0)
+    offsets = _offsets(chart, [line for *_, line in ends], height, pixels)
     rows: list[tuple[Any, ...]] = [
         (x, y, line.end or line.label, behind_text(STYLES[line.style].colour), offset, -2.0, 0.0, "right")
         for (x, y, line), offset in zip(ends, offsets, strict=True)
@@ -263,13 +256,48 @@ def _colour(span: Span) -> str:
     return STYLES[span.style].colour if span.style else GREY
 
 
-def _fall(chart: Chart, line: Line) -> float:
-    """Drop of a curve to where the name below its end begins, as the name must be below the whole curve."""
-    seen = np.isfinite(line.y)
-    x, y = line.x[seen], line.y[seen]
-    begins = x[-1] - 0.18 * (line.x[-1] - line.x[0])
-    at_start, at_end = (_place(chart, float(np.interp(end, x, y))) for end in (begins, x[-1]))
-    return max(at_end - at_start, 0.0)
+def _offsets(chart: Chart, named: Sequence[Line], height: _Range, pixels: int) -> list[float]:
+    """Pixels by which each name is below the end of its curve: at the nearest place above the curve, or below it,
+    where it covers no curve, no limit, no other name and no edge of the frame of so many ``pixels``."""
+    low, high = (_place(chart, bound) for bound in height)
+
+    def pixel(value: float) -> float:
+        return pixels * (_place(chart, value) - low) / (high - low)
+
+    start, end = _ends([chart])
+    begins = end - _NAMED * (end - start)
+
+    def extent(line: Line) -> tuple[float, float] | None:
+        """Pixels between which a curve is where names are."""
+        seen = np.isfinite(line.y) & (line.y > 0 if chart.y_log else True)
+        if not seen.any() or line.x[seen][-1] < begins:
+            return None
+        x, y = line.x[seen], line.y[seen]
+        values = [float(np.interp(begins, x, y)), *map(float, y[x >= begins])]
+        return pixel(min(values)), pixel(max(values))
+
+    curves = {line.key: place for line in chart.lines if (place := extent(line))}
+    levels = [pixel(limit.level) for limit in chart.limits if limit.stop >= begins and not math.isnan(limit.level)]
+    names: list[tuple[float, float]] = [(-math.inf, 1.0), (pixels - 1.0, math.inf)]
+    offsets = []
+    for line in named:
+        below, above = curves[line.key]
+        # Beyond a limit or another curve with a name it would seem to be of that one.
+        others = [curves[other.key] for other in named if other is not line] + [(y, y) for y in levels]
+        lowest = max((top for _, top in others if top <= below), default=-math.inf)
+        highest = min((foot for foot, _ in others if foot >= above and foot > below), default=math.inf)
+        steps = range(0, _FARTHEST, 2)
+        places = [foot for step in steps for foot in (above + 2.0 + step, below - 2.0 - _ROOM - step)]
+        between = [foot for foot in places if foot > lowest and foot + _ROOM < highest] or places
+        # Where there is no room between curves, a name covers one rather than another name or the frame.
+        for taken in ([*names, *curves.values()], names):
+            free = [foot for foot in between if all(foot + _ROOM <= a or foot >= b for a, b in taken)]
+            if free:
+                break
+        foot = free[0] if free else between[0]
+        names.append((foot, foot + _ROOM))
+        offsets.append(pixel(float(line.y[np.isfinite(line.y)][-1])) - foot)
+    return offsets
 
 
 def _place(chart: Chart, value: float) -> float:

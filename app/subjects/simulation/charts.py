@@ -14,6 +14,14 @@ from nav_model.simulation.single_run import POSTERIOR
 _DEG = 180 / math.pi
 _TIME = "time [s]"
 _SIMULATED, _FILTER = "simulated errors, after the fix", "filter covariance, after the fix"
+_AXES = {
+    "position": "position, 1σ [m]",
+    "velocity": "velocity, 1σ [m/s]",
+    "attitude": "attitude, 1σ [°]",
+    "consistency": "simulated / filter [1]",
+    "nees": "mean NEES [1]",
+}
+"""Chart of the first screen -> label of its y axis."""
 _UNITS = {"m": ("m", 1.0), "m_s": ("m/s", 1.0), "rad": ("°", _DEG)}
 
 
@@ -85,23 +93,23 @@ def designed_attitude_chart(study: SimulationStudy) -> Chart:
 def position_chart(study: SimulationStudy) -> Chart:
     """Position error, horizontal over both axes."""
     closed = "Formula [T-3], [T-4], in the outage [T-9], [T-10]."
-    return _errors(study, "position", "position, 1σ [m]", (0, 1), 2, ("horizontal", "vertical"), closed)
+    return _errors(study, "position", (0, 1), 2, ("horizontal", "vertical"), closed)
 
 
 def velocity_chart(study: SimulationStudy) -> Chart:
     """Velocity error, horizontal over both axes."""
     closed = "Formula [T-3], [T-4], in the outage [T-9], [T-10]."
-    return _errors(study, "velocity", "velocity, 1σ [m/s]", (3, 4), 5, ("horizontal", "vertical"), closed)
+    return _errors(study, "velocity", (3, 4), 5, ("horizontal", "vertical"), closed)
 
 
 def attitude_chart(study: SimulationStudy) -> Chart:
     """Tilt, which is roll and pitch together, and heading error."""
     closed = "Formula [T-3], in the outage [T-9]; heading [T-5], not observable on a straight path."
-    return _errors(study, "attitude", "attitude, 1σ [°]", (6, 7), 8, ("tilt", "heading"), closed)
+    return _errors(study, "attitude", (6, 7), 8, ("tilt", "heading"), closed)
 
 
 def _errors(
-    study: SimulationStudy, key: str, y_label: str, level: tuple[int, ...], other: int, names: tuple[str, str],
+    study: SimulationStudy, key: str, level: tuple[int, ...], other: int, names: tuple[str, str],
     closed: str,
 ) -> Chart:  # fmt: skip
     scale, time = _UNITS[STATES[other][2]][1], study.result.time_s
@@ -117,7 +125,7 @@ def _errors(
         key=f"sim-{key}",
         title=f"{key.capitalize()} error",
         x_label=_TIME,
-        y_label=y_label,
+        y_label=_AXES[key],
         lines=(
             line("rms 1", f"{first}, simulated", _rms, level, styles[0], _SIMULATED, first),
             line("filter 1", f"{first}, filter", _sigma, level, "filter", _FILTER),
@@ -148,7 +156,7 @@ def consistency_chart(study: SimulationStudy) -> Chart:
         key="sim-consistency",
         title="Consistency: simulated error over filter sigma",
         x_label=_TIME,
-        y_label="simulated / filter [1]",
+        y_label=_AXES["consistency"],
         lines=(
             *(Line(name, name, time, y, style, "rms over filter sigma", "")
               for (name, _, style), y in zip(kinds, ratios, strict=True)),
@@ -246,7 +254,7 @@ def nees_chart(study: SimulationStudy) -> Chart:
         key="sim-nees",
         title="NEES: normalised estimation error squared",
         x_label=_TIME,
-        y_label="mean NEES [1]",
+        y_label=_AXES["nees"],
         lines=(
             Line("nees", "mean over the runs", time, result.nees_curve, "simulated",
                  "errors by filter covariance", ""),
@@ -264,6 +272,16 @@ def nees_chart(study: SimulationStudy) -> Chart:
 TIMELINES = (position_chart, velocity_chart, attitude_chart)
 CONSISTENCY = (consistency_chart, nees_chart)
 """The charts of the first screen, all on one time axis."""
+
+
+def empty_charts(*names: str) -> list[Chart]:
+    """Axes of charts of the first screen, before there is a study."""
+    nothing = Line("none", "", np.array([0.0, 300.0]), np.full(2, np.nan), "reference", "", "")
+    return [
+        Chart(f"sim-{name}-empty", name, _TIME, _AXES[name], (nothing,), y_log=name not in ("consistency", "nees"))
+        for name in names
+    ]
+
 
 CHARTS: tuple[Callable[[SimulationStudy], Chart], ...] = (
     *TIMELINES,

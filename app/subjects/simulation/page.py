@@ -21,6 +21,7 @@ from app.subjects.simulation.charts import (
     CONSISTENCY,
     TIMELINES,
     designed_attitude_chart,
+    empty_charts,
     ensemble_chart,
     outage_chart,
     path_chart,
@@ -70,6 +71,7 @@ _MOST_KEPT = 16_000_000  # bytes of a flight, for as long as the page is open
 _LOOK: dict[str, Any] = {"margin": (2, 4), "size": "small"}
 _HEAD = (6, 10, 0, 10)  # margin of the line above a chart
 _KEY = key_html(solid="simulated", dashed="filter", dotted="formula", span="outage")
+_EMPTY = ("position", "velocity", "attitude"), ("consistency", "nees")
 _STACKS = {"Errors and sigmas": TIMELINES, "Consistency and NEES": CONSISTENCY}
 
 
@@ -97,9 +99,10 @@ class SimulatePage(StudyPage[Flown]):
         coming = f'<span class="quiet fine">{self.coming}</span>'
         self._heads = [html_pane(head_html(title, self.coming, coming), margin=_HEAD) for title in _STACKS]
         self._halves = [
-            pn.Column(head, sizing_mode="stretch_both", min_height=430, stylesheets=[STACK_ON_A_PHONE])
-            for head in self._heads
-        ]
+            pn.Column(head, *_figures(Timelines(empty_charts(*names))), sizing_mode="stretch_both", min_height=430,
+                      stylesheets=[STACK_ON_A_PHONE])
+            for head, names in zip(self._heads, _EMPTY, strict=True)
+        ]  # fmt: skip
         details = self._of_result
         self._view = pn.Column(
             self._strip,
@@ -159,8 +162,8 @@ class SimulatePage(StudyPage[Flown]):
     def _stack(self, drawn: list[list[Chart]]) -> None:
         """Make the figures, all on one time axis."""
         for charts, half in zip(drawn, self._halves, strict=True):
-            self._stacks.append(Timelines(charts, *self._stacks[:1]))
-            half.extend(pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stacks[-1].plots)
+            self._stacks.append(Timelines(charts, next(iter(self._stacks), None)))
+            half.objects = [half.objects[0], *_figures(self._stacks[-1])]
 
     def _verdict(self, flown: Flown) -> Answer:
         answer = verdict(flown.study)
@@ -277,6 +280,10 @@ class SimulatePage(StudyPage[Flown]):
             self._file = flight.trajectory
             self._say(f"{name}: a flight of {text_of(flight.duration, 4, given=True)} s; {flight.note}.")
             self.length = f"{math.floor(10 * flight.duration) / 10:.1f}"
+
+
+def _figures(stack: Timelines) -> list[pn.pane.Bokeh]:
+    return [pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in stack.plots]
 
 
 def _html(*tell: Callable[[SimulationStudy, str], Block]) -> Callable[[Flown], str]:

@@ -125,7 +125,7 @@ def test_a_name_that_has_no_room_above_its_curve_is_below_it():
         "worst": True,
         "steady": False,
     }
-    limited = replace(_chart(), y_range=(0.0, 100.0), limits=(LimitLine("limit", "limit", 0.0, 1e9, 17.0),))
+    limited = replace(_chart(), y_range=(0.0, 30.0), limits=(LimitLine("limit", "limit", 0.0, 1e9, 17.0),))
     names = Timelines([limited])._sources["test labels"].data
     assert names["offset"][names["text"].index("worst")] > 0  # the limit is as near
     lines = under_the_frame.lines
