@@ -21,7 +21,7 @@ _EXTRA_LABELS = {
     "accelerometer_bias": "Accelerometer bias on the sheet",
     "speed": "Usual speed of the platform",
     "altitude": "Usual altitude of the platform",
-    "longest_baseline": "Longest base line of the sheet",
+    "longest_baseline": "Longest baseline of the sheet",
 }
 
 

@@ -23,7 +23,7 @@ MAX_EXPONENT = 400
 
 
 class Scale(NamedTuple):
-    """The part after a number: its text, the size of one in SI at 1σ per axis, what a metre of base line adds [SI],
+    """The part after a number: its text, the size of one in SI at 1σ per axis, what a metre of baseline adds [SI],
     and in words how the size came about; empty for a unit alone."""
 
     unit: str
@@ -57,7 +57,7 @@ class Dimension:
         return Scale(text, self.units[text]) if text in self.units else _scale(text, self.name)
 
     def amount(self, number: Fraction, unit: str, baseline: float = 0.0) -> Fraction:
-        """A number of `unit` in SI, at a base line [m]."""
+        """A number of `unit` in SI, at a baseline [m]."""
         scale = self.scale(unit)
         scaled = number * scale.size + scale.per_metre * Fraction(baseline)
         if not self.decibels:

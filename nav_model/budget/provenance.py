@@ -20,7 +20,7 @@ from nav_model.design.parts import OUTDATED
 from nav_model.design.presets import entry_of, nearest_class
 from nav_model.design.processing import REAL_TIME
 
-_LEAST_ACCURACY = 0.1  # m: below, of carrier phase over a short base line, whose noise is white
+_LEAST_ACCURACY = 0.1  # m: below, of carrier phase over a short baseline, whose noise is white
 _SLOW = 60.0  # s, of multipath in flight
 _LOWEST, _HIGHEST = -500.0, 9000.0  # ground on Earth [m], from the Dead Sea's shore to the highest summit
 

@@ -194,7 +194,7 @@ class Design:
         """The design with some inputs, or its entries, replaced.
 
         Parts, units and origins in which nothing changes are the same objects. Noise written as "1 cm + 1 ppm"
-        follows the base line.
+        follows the baseline.
 
         Parameters
         ----------
@@ -255,7 +255,7 @@ class Design:
         return cast("float | None", self._values[BASE_LINE])
 
     def _on_base_line(self, baseline: float | None, keys: Iterable[str]) -> dict[str, Value]:
-        """Values, at another base line, of the inputs that are written as growing with it."""
+        """Values, at another baseline, of the inputs that are written as growing with it."""
         moved: dict[str, Value] = {}
         for key in keys:
             value, written = self[key], self.written.get(key, "")

@@ -63,7 +63,7 @@ def to_query(design: Design) -> str:
 
 @lru_cache(maxsize=64)
 def _of_presets(named: tuple[tuple[str, str], ...], baseline: float | None, *, sheet: bool) -> Design:
-    """The design of these presets, each with its short name, at a base line, and of defaults."""
+    """The design of these presets, each with its short name, at a baseline, and of defaults."""
     design = Design()
     for short, name in named:
         design = design.replace(preset_fill(short, name, baseline, sheet=sheet)[0])

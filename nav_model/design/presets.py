@@ -16,7 +16,7 @@ SHEET_KEYS = tuple(f"{part.section}.{name}" for part in (Gyro, Accelerometer) fo
 
 
 def values_of(entry: Entry, baseline: float | None = None) -> Mapping[str, SourcedValue]:
-    """Name of an input -> the entry's value. Noise that grows with the base line is that at `baseline` [m], and the
+    """Name of an input -> the entry's value. Noise that grows with the baseline is that at `baseline` [m], and the
     distance then is not the entry's."""
     if baseline is None or entry.kind != "gnss":
         return entry.values
@@ -106,7 +106,7 @@ def entry_of(design: Design, section: str) -> Entry | None:
 
 
 def sheet_of(design: Design, section: str) -> Mapping[str, SourcedValue]:
-    """Name of an input -> the value of the section's preset at the design's base line; empty without a preset."""
+    """Name of an input -> the value of the section's preset at the design's baseline; empty without a preset."""
     entry = entry_of(design, section)
     return {} if entry is None else values_of(entry, design.baseline)
 
@@ -129,7 +129,7 @@ def without_class(design: Design) -> dict[str, Value]:
     Returns
     -------
     dict
-        Dotted key -> None for the class, and the default of each input that has the class's value. The base line
+        Dotted key -> None for the class, and the default of each input that has the class's value. The baseline
         stays where noise of the user's own grows with it.
     """
     entry = entry_of(design, "gnss")

@@ -267,7 +267,7 @@ class Gnss(Part):
         short="gm",
         label="Slow error",
         doc="Adds a slow GNSS error (first-order Gauss-Markov); the steady state is then solved numerically. Off for "
-        "carrier phase over a short base line, on for stand-alone code.",
+        "carrier phase over a short baseline, on for stand-alone code.",
     )
     correlated_noise = Quantity(
         default=1.0,

@@ -162,7 +162,7 @@ def heading_levers(design: Design) -> Iterator[Lever]:
 
 
 def receiver_lever(design: Design, entry: Entry, step: float = 0) -> Lever:
-    """A receiver class of a catalogue or an offer, at the design's base line."""
+    """A receiver class of a catalogue or an offer, at the design's baseline."""
     changes, written = filled(entry, design.baseline)
     items = values_of(entry, design.baseline)
     needs = {"processing.mode": POST_PROCESSED} if entry.post_processed else {}

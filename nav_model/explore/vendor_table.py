@@ -230,7 +230,7 @@ def read_row(text: str, baseline: float | None = None) -> tuple[Given, ...]:
     """A row such as "60 s: horizontal 0.10 m, vertical 0.07 m, velocity 0.015 m/s, roll and pitch 0.005°".
 
     The time may also be "no outage". Values are one sigma per axis, or say what they are: "0.10 m CEP", and
-    "1 cm + 1 ppm" at the base line [m]. A row may also be one as `vendor_table` is printed: "60 s real
+    "1 cm + 1 ppm" at the baseline [m]. A row may also be one as `vendor_table` is printed: "60 s real
     time 6.59 m …".
 
     Raises

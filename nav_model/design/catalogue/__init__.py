@@ -58,7 +58,7 @@ class Entry:
     """One unit of the catalogue.
 
     `values` fill the inputs of the same section of a design; `extra` is only shown
-    (data-sheet biases of an inertial unit; speed and altitude of a radar's platform; the base line to which a
+    (data-sheet biases of an inertial unit; speed and altitude of a radar's platform; the baseline to which a
     receiver's sheet holds). `offer` has what an offer adds, of `OFFERED`: a price in its currency, kg, W.
     `post_processed`: of a receiver whose fixes are computed after the flight.
     """

@@ -54,7 +54,7 @@ class Heights:
             self.note(f"heights above the ground, which is at {self.ground:g} m")
             return self.ground + up
         if reference == "sea":
-            self.note("heights above sea level taken as above the ellipsoid")
+            self.note("heights above sea level used as ellipsoidal")
         return up
 
     def waypoint(self, place: tuple[object, ...], reference: Reference, where: str, line: str = "") -> Waypoint:

@@ -74,7 +74,7 @@ def test_noise_written_with_ppm_follows_the_base_line():
     assert farther.gnss.position_noise == pytest.approx(0.04, rel=1e-15)
     assert parse_design(format_design(farther)) == farther
     assert parse_design(text, changes=["gnss.baseline=30 km"]) == farther
-    slid = farther.replace({"gnss.position_noise": 0.005})  # a value is a value, below what the base line adds too
+    slid = farther.replace({"gnss.position_noise": 0.005})  # a value is a value, below what the baseline adds too
     assert parse_design(format_design(slid)) == slid
     with pytest.raises(InputError, match=r"gnss.position_noise: '1 cm \+ 1 ppm' grows with the baseline. Give gnss"):
         parse_design('[gnss]\nposition_noise = "1 cm + 1 ppm"\n')
