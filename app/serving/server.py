@@ -44,6 +44,7 @@ from app.upstream.connection import keep_first_changes, send_in_order, write_onc
 from app.upstream.late_session import page_of, sheets_from_here, visitor
 from app.upstream.rendering import check_given_values
 from app.upstream.requests import ask_first, listen_on, read_any_address, stop_accepting, trust_proxies_only
+from app.upstream.sent_back import expect_known_models
 from app.work import pool as workers
 from nav_model.base.errors import InputError
 from nav_model.design import Design
@@ -142,6 +143,7 @@ def serve_on(
     keep_first_changes()
     read_any_address()
     check_given_values()
+    expect_known_models()
     trust_proxies_only()
     for name in COMPONENTS:
         import_module(name)

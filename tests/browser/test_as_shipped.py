@@ -125,3 +125,15 @@ def test_a_sheet_is_written_again_with_the_same_text_and_a_paint_asks_for_comput
     assert shipped.evaluate(_REWRITE)
     as_shipped, without = shipped.evaluate(_ASKED)
     assert as_shipped > 2 * without > 0
+
+
+def test_models_that_the_server_adds_come_back_whole(shipped: Page) -> None:
+    """They are among those that the page sends whole with its next event, though they came from the server."""
+    added = shipped.evaluate("""() => {
+      const [document] = Bokeh.documents, [root] = document.roots()
+      const model = { type: "object", name: "Range1d", id: "from the server", attributes: {} }
+      const change = { kind: "ModelChanged", model: { id: root.id }, attr: "tags", new: [model] }
+      document.apply_json_patch({ events: [change] })
+      return [...document._new_models].some(({ id }) => id === "from the server")
+    }""")
+    assert added
