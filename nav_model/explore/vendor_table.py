@@ -209,6 +209,7 @@ _UNKNOWNS = ("imu.angle_random_walk", "imu.velocity_random_walk", "imu.gyro_bias
 _MOST_ROWS, _LONGEST, _ORIGIN = 10, 300, 180
 _LEAST_ROUNDING, _MOST_ROUNDING = 0.01, 0.1
 _STARTS, _FITS, _EVALUATIONS = 2048, 3, 40
+_MOST_TRIED = 8  # entries that are left out in turn
 _EXACT = 1e-4  # sum of squares, of roundings, from which no other start is tried
 _STEP = 1e-20
 _LOOSE = 3.0  # factor from which an input is not determined
@@ -328,6 +329,9 @@ class _Fit:
     def __init__(self, design: Design, entries: Sequence[Given]) -> None:
         self.design, self.entries = design, entries
         self.given = np.log([entry.value for entry in entries])
+        self.places: dict[tuple[str, bool], list[int]] = {}
+        for place, entry in enumerate(entries):
+            self.places.setdefault((entry.column, not entry.outage), []).append(place)
         self.weights = 1 / np.array([entry.rounding for entry in entries])
         heading = [entry.value for entry in entries if entry.column == "heading"]
         ranges = [_span(key) for key in _UNKNOWNS]
@@ -344,18 +348,19 @@ class _Fit:
         """Values of the entries [SI], (entries, n), of unknowns (unknowns, n)."""
         unknowns = np.exp(point)
         model = RealTime(inputs_of(self.design, dict(zip(_UNKNOWNS, unknowns[:4], strict=True))))
-        rows = []
-        for entry in self.entries:
-            column = COLUMNS[entry.column]
+        values = np.empty((len(self.entries), *unknowns.shape[1:]), unknowns.dtype)
+        # All times of a column at once: the model costs as much for one.
+        for (name, settled), places in self.places.items():
+            column = COLUMNS[name]
             value: ArrayLike = 0.0
-            if entry.outage:
-                value = model.value(column.outage, np.asarray(entry.outage))
+            if not settled:
+                value = model.value(column.outage, np.array([[self.entries[place].outage] for place in places]))
             elif column.settled:
                 value = model.value(column.settled)
-            if entry.column == "heading":
+            if name == "heading":
                 value = np.sqrt(np.asarray(value) ** 2 + unknowns[4] ** 2)
-            rows.append(np.broadcast_to(value, unknowns.shape[1:]))
-        return np.array(rows)
+            values[places] = value
+        return values
 
     def residuals(self, point: Array) -> Array:
         """Logarithm of model over given, in roundings: (entries, n)."""
@@ -425,13 +430,20 @@ class _Fit:
         return math.exp(best) if best < self.high[place] - _MISSED else None
 
     def contradictions(self, point: Array) -> tuple[Contradiction, ...]:
-        """Each entry without which the others agree."""
+        """Each entry without which the others agree; of a long table among those that make the least sum of squares.
+
+        Leaving an entry out takes its square over what the fit leaves free of it off the sum, in a linear model.
+        """
+        misses, slopes = self.slopes(point)
+        free = 1 - (slopes * np.linalg.pinv(slopes).T).sum(axis=1)
+        likeliest = np.argsort(-(misses**2) / np.maximum(free, 1e-6))[:_MOST_TRIED]
         contradictions = []
-        for index, entry in enumerate(self.entries):
+        for index in sorted(likeliest):
             others = np.arange(len(self.entries)) != index
             rest, cost = self.best(others, point)
             if cost <= others.sum():
-                contradictions.append(Contradiction(entry, float(self.model(rest[:, None])[index, 0])))
+                known = float(self.model(rest[:, None])[index, 0])
+                contradictions.append(Contradiction(self.entries[index], known))
         return tuple(contradictions)
 
     def missed(self, point: Array) -> tuple[Contradiction, ...]:

@@ -12,6 +12,7 @@ from nav_model.budget import analyse
 from nav_model.design import Design
 from nav_model.design.file import parse_design
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
+from nav_model.explore import vendor_table as module
 from nav_model.explore.vendor_table import COLUMNS, VendorRow, invert, read_row, vendor_table, with_unit
 
 _UNITS = {"horizontal": "m", "vertical": "m", "velocity": "m/s", "roll and pitch": "°", "heading": "°"}
@@ -223,6 +224,33 @@ def test_contradictions_are_found() -> None:
         assert (rows[wrong].outage, name) in places
         clash = inversion.contradictions[places.index((rows[wrong].outage, name))]
         assert clash.factor == pytest.approx(factor, rel=0.35)  # the others leave it open a little
+
+
+def test_a_wrong_entry_of_a_long_table_is_found_by_few_fits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One of fifty entries is three times too large; then nearly every one is wrong."""
+    design = random_unit(np.random.default_rng(11))
+    budget, outages = analyse(design), np.linspace(10, 100, 10)
+    rows = [
+        VendorRow(REAL_TIME, float(outage), {
+            name: budget.composed(column.outage, REAL_TIME, at=float(outage)).sigma
+            for name, column in COLUMNS.items()
+        })
+        for outage in outages
+    ]  # fmt: skip
+    evaluations, evaluate = [], module._Fit.model
+
+    def counted(fit: module._Fit, point: np.ndarray) -> np.ndarray:
+        evaluations.append(point)
+        return evaluate(fit, point)
+
+    monkeypatch.setattr(module._Fit, "model", counted)
+    inversion = invert(design, (printed(row, factors={"velocity": 3.0} if row is rows[6] else {}) for row in rows))
+    assert [(clash.entry.outage, clash.entry.column) for clash in inversion.contradictions] == [(70.0, "velocity")]
+    assert inversion.contradictions[0].factor == pytest.approx(3.0, rel=0.02)
+    rng = np.random.default_rng(5)
+    texts = [printed(row, factors={name: rng.uniform(0.2, 5) for name in COLUMNS}) for row in rows]
+    assert invert(design, texts).several
+    assert len(evaluations) < 1000  # 50 entries left out in turn take more than twice as many
 
 
 def test_bare_bones_of_a_row() -> None:
