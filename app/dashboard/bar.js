@@ -34,11 +34,6 @@ export function render({ model }) {
     <div class="menu" data-for="share" hidden>
       <label>Link to this design and page<input type="text" readonly></label>
       <button class="copy" type="button">Copy link</button><span aria-live="polite"></span>
-      <p>Sensor noise for another filter</p>
-      <button data-filter="kalibr" type="button">kalibr: imu.yaml</button>
-      <button data-filter="px4" type="button">PX4 EKF2: parameters</button>
-      <button data-filter="kf-gins" type="button">KF-GINS: imunoise</button>
-      <button data-filter="pyins" type="button">pyins: models</button>
     </div>
     <div class="menu" data-for="view" hidden>
       <label>Values as <select class="spread"><option value="">as required</option><option value="1s">1σ</option>
@@ -55,6 +50,11 @@ export function render({ model }) {
       <button data-report="xlsx" type="button" title="The budget with live formulas; without studies">Spreadsheet</button>
       <button data-sheet="imu" type="button">IMU requirement sheet (HTML)</button>
       <button data-sheet="gnss" type="button">Receiver requirement sheet (HTML)</button>
+      <p>Sensor noise for another filter</p>
+      <button data-filter="kalibr" type="button">kalibr: imu.yaml</button>
+      <button data-filter="px4" type="button">PX4 EKF2: parameters</button>
+      <button data-filter="kf-gins" type="button">KF-GINS: imunoise</button>
+      <button data-filter="pyins" type="button">pyins: models</button>
       <p class="writing" aria-live="polite"></p>
       <button class="stop" type="button" hidden>Cancel</button>
     </div>

@@ -40,11 +40,12 @@ def entry_texts(design: Design, check: Check, allocation: Allocation) -> list[di
 def outcome(design: Design, check: Check, allocation: Allocation) -> str:
     """A sentence on whether the entries fit, and how they were split."""
     limit = check_quantity(check, allocation.limit, given=True)
-    whole = f"{check.label}: limit {limit}, reserve {percent(allocation.reserve)}"
+    split = check_quantity(check, allocation.limit * (1 - allocation.reserve))
+    whole = f"{check.label}: limit {limit}, reserve {percent(allocation.reserve)}, allocated {split} in all"
     if allocation.closes:
         plan = design.allocation or Allotment()
         value = check_quantity(check, check.value)
-        excess = "" if check.met else f", {number(check.value / allocation.limit)} × the limit"
+        excess = ", within the limit" if check.met else f", {number(check.value / allocation.limit)} × the limit"
         return f"{whole}. Split: {SPLIT_WORDS[plan.split]}. Estimated {value}{excess}."
     return f"{whole}. Does not fit: {', '.join(allocation.blocked_by)} locked too high."
 

@@ -51,12 +51,13 @@ def _tile(figure: KeyFigure, was: KeyFigure | None, tone: str) -> str:
     bar = f'<i style="width:{_share(figure.used)}%"></i>'
     if was is not None and was.state:
         bar += f'<b style="width:{_share(was.used)}%"></b>'
+    bar = f'<dd class="bar" aria-hidden="true">{bar}</dd>' if figure.state else ""
     below = f"<span>{escape(limit or figure.limit or 'no limit')}</span>{_change(figure, was)}"
     beside = f'<dd class="fine quiet">{escape(figure.beside)}</dd>' if figure.beside else ""
     return (
         f'<div class="card tile {tone}"><dt>{_name(figure)}</dt>'
         f'<dd><span class="big num{" last" if figure.last else ""}">{escape(figure.value)}</span> {mark}</dd>'
-        f'<dd class="bar" aria-hidden="true">{bar}</dd><dd class="fine">{below}</dd>{beside}</div>'
+        f'{bar}<dd class="fine">{below}</dd>{beside}</div>'
     )
 
 

@@ -17,7 +17,7 @@ export function render({ model }) {
     return made
   }
   const edit = (row, state) => { editing.set(key(row), { ...state, seen: row.seen }); draw(key(row)) }
-  const actions = (row) => {
+  const actions = (row, reason) => {
     const cell = make("td"), state = editing.get(key(row))
     cell.className = "act"
     if (!model.open) return cell
@@ -38,7 +38,8 @@ export function render({ model }) {
         if (event.key === "Enter") done()
         if (event.key === "Escape") { editing.delete(key(row)); draw() }
       }
-      cell.append(field, button(say, row, done, true), button("Cancel", row, () => { editing.delete(key(row)); draw() }), missing)
+      reason.replaceChildren(field, missing)
+      cell.append(button(say, row, done, true), button("Cancel", row, () => { editing.delete(key(row)); draw() }))
     } else if (row.seen && (!state || state.late)) {
       cell.append(button("Change", row, () => edit(row, { reason: state?.reason })))
       if (state) cell.append(make("p", `Your reason was not sent: ${state.reason}`, { className: "late", role: "status" }))
@@ -71,8 +72,9 @@ export function render({ model }) {
       line.append(make("th", row.label, { scope: "row" }))
       for (const text of [row.value, row.limit]) line.append(make("td", text, { className: "num" }))
       line.append(make("td", row.verdict, { className: `tone ${row.tone}` }))
-      line.append(make("td", row.decision), make("td", row.reason))
-      if (model.open) line.append(actions(row))
+      const reason = make("td", row.reason)
+      line.append(make("td", row.decision), reason)
+      if (model.open) line.append(actions(row, reason))
     }
     place.replaceChildren(table)
     const left = model.rows.filter((row) => !row.seen && row.met)

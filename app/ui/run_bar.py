@@ -27,7 +27,15 @@ class RunBar(View):
     run = required(Run)
     message = param.String(default="", doc="What to say between runs, as text, until a run says more.")
 
-    def __init__(self, run: Run, start: Callable[[], object], label: str, *fields: Any, strip: bool = False) -> None:
+    def __init__(
+        self,
+        run: Run,
+        start: Callable[[], object],
+        label: str,
+        *fields: Any,
+        strip: bool = False,
+        align: str = "center",
+    ) -> None:
         super().__init__(run=run)
         self._strip = strip
         self.start = pmui.Button(label=label, icon="play_arrow", variant="contained", **_LOOK)
@@ -45,7 +53,7 @@ class RunBar(View):
         self.state = html_pane("", margin=(2, 10))
         self._view = pn.FlexBox(
             *fields, self.start, self.cancel, pn.Column(self.state, styles={"flex": "1 1 180px", "min-width": "0"}),
-            align_items="center", margin=(0, 4), stylesheets=[PRINT_NOTHING],
+            align_items=align, margin=(0, 4), stylesheets=[PRINT_NOTHING],
         )  # fmt: skip
 
     def _cancel(self, _: Any) -> None:

@@ -342,13 +342,13 @@ def test_a_contributor_that_a_requirement_limits_stays_in_its_table(visit: Visit
     expect(remove).to_have_count(0)
 
 
-def test_noise_for_another_filter_is_shared(plain: Page) -> None:
-    plain.get_by_role("button", name="Share").click()
+def test_noise_for_another_filter_is_among_the_reports(plain: Page) -> None:
+    plain.get_by_role("button", name="Report").click()
     with plain.expect_download() as waiting:
         plain.get_by_role("button", name="KF-GINS: imunoise").click()
     assert content(waiting.value).decode() == noise_for(example("mems_x_band"), "kf-gins")
     expect(plain.get_by_role("button", name="kalibr: imu.yaml")).to_be_hidden()  # the menu has closed
-    plain.get_by_role("button", name="Share").click()
+    plain.get_by_role("button", name="Report").click()
     plain.get_by_role("button", name="kalibr: imu.yaml").click()
     expect(plain.get_by_text("No file for kalibr. Residual gyro bias: kalibr needs")).to_be_visible()
 

@@ -61,9 +61,9 @@ def begin_review(page: Page, design: str, title: str) -> None:
 
 
 def decide(page: Page, requirement: str, press: str = "Accept", reason: str = "") -> None:
-    """Decide in the row of a requirement of D1, with a reason where one is asked for."""
-    row = page.get_by_role("row").filter(has=page.get_by_role("rowheader", name=f"D1: {requirement}", exact=True))
-    row.get_by_role("button", name=f"{press}: D1: {requirement}").click()
+    """Decide in the row of a requirement, with a reason where one is asked for."""
+    row = page.get_by_role("row").filter(has=page.get_by_role("rowheader", name=requirement, exact=True))
+    row.get_by_role("button", name=f"{press}: {requirement}").click()
     if reason:
         row.get_by_role("textbox").fill(reason)
         row.get_by_role("textbox").press("Enter")
@@ -199,11 +199,11 @@ def test_a_second_writer_is_told_and_a_review_is_signed_and_exported(visit: Visi
     expect(heading).to_contain_text("1 requirement rejected")
     decide(page, "Detrended phase", "Accept", "autofocus removes it")
     expect(heading).to_contain_text("1 waiver")
-    expect(heading).to_contain_text("can be signed")
+    expect(heading).to_contain_text("Ready to sign")
     press(page, "Sign off")
     press(page, "Not yet")
     expect(page.get_by_role("button", name=re.compile("^Sign as Ann"))).to_be_hidden()
-    expect(heading).to_contain_text("can be signed")
+    expect(heading).to_contain_text("Ready to sign")
     press(page, "Sign off")
     press(page, "Sign as Ann (outcome: rejected)")
     expect(heading).to_contain_text("✗ Signed by Ann: rejected")
@@ -231,26 +231,26 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     second.get_by_role("region", name="All reviews").get_by_role("button", name="Both").click()
     box(second, "Your name").fill("Bob")
     decide(page, "Detrended phase")  # asks for a reason, which is being written meanwhile
-    expect(box(page, "Reason: D1: Detrended phase")).to_be_focused()
+    expect(box(page, "Reason: Detrended phase")).to_be_focused()
     decide(second, "Horizontal position", "Reject", "no margin left")
     expect(second.locator(".strip").filter(has_text="1 requirement rejected")).to_be_visible()
-    header = page.get_by_role("rowheader", name="D1: Horizontal position", exact=True)
+    header = page.get_by_role("rowheader", name="Horizontal position", exact=True)
     row = page.get_by_role("row").filter(has=header)
     expect(row).to_contain_text("rejected by Bob")  # by itself
     expect(row).to_contain_text("no margin left")
     expect(row.get_by_role("button")).to_have_text(["Change"])  # theirs is seen before another takes its place
-    expect(box(page, "Reason: D1: Detrended phase")).to_be_focused()
+    expect(box(page, "Reason: Detrended phase")).to_be_focused()
     page.keyboard.press("Enter")
     expect(page.get_by_text("Enter a reason.")).to_be_visible()
     page.keyboard.type("autofocus removes it")
     decide(second, "Detrended phase", "Reject", "not tried yet")  # first
-    detrended = page.get_by_role("row").filter(has_text="D1: Detrended phase")
+    detrended = page.get_by_role("row").filter(has_text="Detrended phase")
     expect(detrended).to_contain_text("rejected by Bob")
     expect(detrended).to_contain_text("Your reason was not sent: autofocus removes it")
     expect(detrended.get_by_role("button")).to_have_text(["Change"])
     decide(page, "Detrended phase", "Change")
     decide(page, "Detrended phase")
-    expect(box(page, "Reason: D1: Detrended phase")).to_have_value("autofocus removes it")
+    expect(box(page, "Reason: Detrended phase")).to_have_value("autofocus removes it")
     page.keyboard.press("Enter")
     expect(heading).to_contain_text("1 waiver")
     box(second, "Comment").fill("and one more thing")
@@ -261,7 +261,7 @@ def test_two_people_decide_on_one_review_and_neither_overrules_the_other_unseen(
     expect(heading).to_contain_text("0 requirements rejected")
     decide(page, "Quadratic phase", "Accept", "autofocus removes it")
     decide(page, "Horizontal position after the outage")
-    expect(heading).to_contain_text("can be signed")
+    expect(heading).to_contain_text("Ready to sign")
     expect(page.get_by_role("region", name="Comments", exact=True)).to_contain_text("one more thing")
     press(page, "Sign off")
     press(page, "Sign as Ann (outcome: accepted with 2 waivers)")
@@ -273,7 +273,7 @@ def test_a_page_that_still_says_open_does_not_replace_anothers_reject(visit: Vis
     visit()
     tab(page, "Review")
     begin_review(page, "Seen too late", "Too late")
-    header = page.get_by_role("rowheader", name="D1: Horizontal position", exact=True)
+    header = page.get_by_role("rowheader", name="Horizontal position", exact=True)
     row = page.get_by_role("row").filter(has=header)
     expect(row).to_contain_text("open")
     tab(second, "Reviews")

@@ -49,7 +49,7 @@ class MapFigure:
                            line_dash=dash, line_width=width)  # fmt: skip
         marks = self.plot.scatter(
             "x", "y", marker="marker", size=8, source=sources["catalogue"], fill_color="#ffffff",
-            line_color="#10151a", line_width=1.6,
+            line_color="#10151a", line_width=1.6, level="overlay",
         )  # fmt: skip
         self.plot.text(
             "x", "y", text="name", x_offset="right", y_offset="down", text_align="align", source=sources["catalogue"],

@@ -19,7 +19,7 @@ from app.ui.answer_strip import AnswerStrip
 from app.ui.fields import TextInput
 from app.ui.html_pane import html_pane
 from app.ui.row_editor import Field, RowEditor, Rows
-from app.ui.theme import PRINT_NOTHING
+from app.ui.theme import FRAME, PRINT_NOTHING
 from app.ui.view import View
 from nav_model.base.errors import InputError
 from nav_model.budget import Budget
@@ -85,12 +85,14 @@ class AllocatePage(View):
         )
         self._made = pmui.Select(label="Typical contributors", options=list(READY_MADE), **_BOX)
         self._boxes = [TextInput(max_length=50, **_BOX | {"width": 330}) for _ in range(2)]
-        make = pmui.Button(label="Add", variant="outlined", margin=(10, 10))
+        make = pmui.Button(label="Add", variant="outlined", margin=(12, 10))
         make.on_click(lambda _: self._make())
         self._added_note = html_pane("")
         self._made.param.watch(lambda _: self._ask(), "value")
         self._ask()
-        ready = pn.FlexBox(self._made, *self._boxes, make, margin=(6, 0, 0, 0), stylesheets=[PRINT_NOTHING])
+        ready = pn.FlexBox(
+            self._made, *self._boxes, make, align_items="start", margin=(6, 0, 0, 0), stylesheets=[PRINT_NOTHING]
+        )
         self._limits = RowEditor(
             _limit_fields(()), lambda rows: self._enter("limits", _in_the_outage(rows)), noun="requirement",
             caption="More requirements",
@@ -112,10 +114,13 @@ class AllocatePage(View):
         self._release = pmui.Button(label="Release required values", variant="outlined", margin=(4, 10))
         self._release.on_click(lambda _: self.session.change({}, entries=released(self.session.design)))
         sheets = pn.Column(self._frozen, self._release, stylesheets=[PRINT_NOTHING])
-        self._view = pn.Column(
-            self._strip, self._contributors, ready, self._added_note, html_pane(html_of(Text(CONTRIBUTORS_ENTER))),
-            self._limits, choices, self._entries, self._outcome, sheets,
+        cards = (self._contributors, ready, self._added_note), (self._limits,), (
+            choices, self._entries, self._outcome, sheets,
         )  # fmt: skip
+        self._view = pn.Column(
+            self._strip,
+            *(pn.Column(*card, styles=FRAME | {"padding": "8px 0"}, margin=(8, 10)) for card in cards),
+        )
         self.show(session.budget)
 
     @param.depends("session.invalid", watch=True)
@@ -176,7 +181,7 @@ class AllocatePage(View):
                 box.param.update(label=asked.label, helper_text=f"for example {asked.example}", value="")
             box.visible = asked is not None
         text = f"{made.formula}, enters {figure_in_sentence(made.enters)} [P-16]."
-        self._added_note.say(html_of(Text(text[:1].upper() + text[1:])))
+        self._added_note.say(html_of(Text(f"{text[:1].upper()}{text[1:]} {CONTRIBUTORS_ENTER}")))
 
     def _make(self) -> None:
         """Add the ready-made contributor."""

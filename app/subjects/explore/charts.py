@@ -62,7 +62,7 @@ def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapCh
     outside = " Blank: the aperture would be longer than an hour." if np.isnan(trade.z).any() else ""
     knowledge = (
         f"{len(trade.x)} × {len(trade.y)} designs through the formulas of the budget. An IMU of the catalogue is "
-        f"judged with all values of its data sheet (● passes, ✕ fails), not by the colour under it.{outside}"
+        f"judged with all values of its data sheet (○ passes, ✕ fails), not by the colour under it.{outside}"
     )
     x_log, y_log = is_log(x_key), is_log(y_key)
     limited = not math.isnan(trade.limit)
@@ -100,14 +100,14 @@ def map_chart(design: Design, x_key: str, y_key: str, result: str) -> TradeMapCh
 def margin_chart(design: Design, verdict: UncertainVerdict) -> Chart:
     """Histogram of the tightest margin over uncertain designs around this one."""
     edges, shares = verdict.histogram
-    x, y = 100 * np.repeat(edges, 2)[1:-1], 100 * np.repeat(shares, 2)
-    kinds = (("does not close", x <= 0, "reference"), ("closes", x >= 0, "exact"))
+    x, y = 1 - np.repeat(edges, 2)[1:-1], 100 * np.repeat(shares, 2)
+    kinds = (("does not close", x >= 1, "reference"), ("closes", x <= 1, "exact"))
     return Chart(
         key="margins",
-        title=f"Tightest margin over the designs{before_flight(design)}",
-        x_label="tightest margin [%]",
+        title=f"{_WORST} over the designs{before_flight(design)}",
+        x_label="worst requirement [× its limit]",
         y_label="designs in a bin [%]",
-        lines=(Line("limit", "limit", np.zeros(2), np.array([0.0, np.max(y)]), "limit"),),
+        lines=(Line("limit", "limit", np.ones(2), np.array([0.0, np.max(y)]), "limit"),),
         bands=tuple(Band(name, name, x[part], 0 * x[part], y[part], style) for name, part, style in kinds),
         knowledge="Half a per cent of the designs at either end is left out.",
     )

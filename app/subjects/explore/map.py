@@ -90,7 +90,7 @@ class MapPanel(Question):
         self._chart = chart
         key = (
             f'<span class="quiet fine">Cross: this design. Solid line: {escape(chart.reference)}; dotted: half; '
-            f"dashed: twice. Lighter is better. ● passes, ✕ fails{before_flight(self.session.design)}.</span>"
+            f"dashed: twice. Lighter is better. ○ passes, ✕ fails{before_flight(self.session.design)}.</span>"
         )
         self._head.object = head_html(chart.title, chart.knowledge, described(chart), key)
 

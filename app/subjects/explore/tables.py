@@ -178,9 +178,10 @@ def _candidate(row: Candidate, name: Cell, yours: bool, offers: bool) -> Row:
 
 def uncertain_answer(verdict: UncertainVerdict) -> Answer:
     """The verdict as a probability."""
-    low, middle, high = map(signed_percent, verdict.margin)
+    high, middle, low = (number(1 - margin) for margin in verdict.margin)
     head = f"Probability of closing: {_probability(verdict.closes)}"
-    return Answer(head, "open", (f"Tightest margin {middle} (median), {low} to {high} in 90 % of designs.",))
+    text = f"Worst requirement {middle} × its limit (median), {low} to {high} × in 90 % of designs."
+    return Answer(head, "open", (text,))
 
 
 def uncertain_table(design: Design, verdict: UncertainVerdict) -> TableBlock:

@@ -23,10 +23,16 @@ def _judged(review: Review, place: int, name: str) -> tuple[Verdict, Check, Chec
     return budget.verdict, check, check_words(budget.design, check)
 
 
+def _label(review: Review, place: int) -> str:
+    """Label of a design before a name; a single one has none."""
+    return f"D{place}: " if len(review.items) > 1 else ""
+
+
 def frozen_designs(review: Review) -> str:
     """A sentence on the designs of the rows of decisions, and on how their figures are judged."""
     return "; ".join(
-        f"D{item.place}: {shortened(rev.name, 40)}, revision {rev.number}, {judged(rev.budget().verdict)}"
+        f"{_label(review, item.place)}{shortened(rev.name, 40)}, revision {rev.number}, "
+        f"{judged(rev.budget().verdict)}"
         for item, rev in zip(review.items, review.revisions, strict=True)
     )
 
@@ -40,7 +46,8 @@ def decision_row(review: Review, place: int, name: str) -> dict[str, Any]:
     )  # fmt: skip
     state = met_cell(check, verdict)
     return {
-        "place": place, "name": name, "label": f"D{place}: {check.label}", "value": words.value, "limit": words.limit,
+        "place": place, "name": name, "label": f"{_label(review, place)}{check.label}",
+        "value": words.value, "limit": words.limit,
         "met": check.met, "verdict": state.text, "tone": state.tone, "seen": standing.number if standing else 0,
         "decision": decision, "reason": standing.reason if standing else "",
     }  # fmt: skip

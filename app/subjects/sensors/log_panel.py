@@ -109,10 +109,10 @@ class LogPanel(pn.viewable.Viewer):
         self.file = upload(
             "Choose a log", ".csv,.txt,.tsv,.dat,.log,.npz", UPLOAD_LIMITS.file_bytes, self.take,
             lambda reason: self._say(f"Not uploaded: {reason}."), uploaded_label="Choose another log",
-            icon=None, variant="contained", margin=(12, 6, 8, 6), disabled=self.run.param.running,
+            icon=None, variant="contained", margin=(8, 6), disabled=self.run.param.running,
         )  # fmt: skip
         self.message = pmui.Alert(object="", visible=False, closeable=True, margin=(4, 14, 12, 14), styles=_IN_SIGHT)
-        self.bar = RunBar(self.run, self.analyse, "Analyse", self.file, self.motion, *self._fields())
+        self.bar = RunBar(self.run, self.analyse, "Analyse", self.file, self.motion, *self._fields(), align="start")
         self.bar.start.disabled = True
         self._heading = html_pane(_TITLE + _HELP, margin=(10, 14, 0, 14))
         self.static = StaticResult(session, self._adopt)
