@@ -24,7 +24,7 @@ from nav_model.analytic.refined_coast import longest_rule
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import from_si
 from nav_model.budget import Budget
-from nav_model.budget.verdict import STRAIGHT_LEG, Check
+from nav_model.budget.verdict import STRAIGHT_LEG, Check, limits_of_autofocus
 from nav_model.design import Design
 from nav_model.design.declaration import BaseQuantity, Choice
 from nav_model.design.figures import FIGURES, REQUIRED, figure_in_sentence, label_of, of_kind
@@ -352,11 +352,11 @@ class _Sheets:
             number, limit_of = next((n, item) for n, item in enumerate(self.design.limits, 1) if item.name == name)
             unit, limit, given = _Unit.of(limit_of.unit, limit_of.dimension), limit_key(number), limit_of.value
             on, symbol, follows = limit_of.on, limit, limit_of.confidence is None
-        if check is not None and check.limit != given:  # the autofocus's own limit is a constant
-            follows = given is None and check.on == "path_before_autofocus"
-            limit, given = repr(check.limit), check.limit
-            if follows and self.design.radar.range_resolution is None:
-                limit = f"{symbol_of('radar.azimuth_resolution')}/2"
+        of_autofocus = limits_of_autofocus(self.design).get(name, ()) if name in REQUIRED else ()
+        if check is not None and of_autofocus:
+            (own_limit,) = of_autofocus
+            limit, of_factor = self._tighter(name, limit, *own_limit)
+            given = check.limit
         cells = [f"real_time_{symbol}", f"real_time_{on}"]  # a figure that has a cell already needs no other
         if processing == POST_PROCESSED:
             cells = [f"post_processed_{symbol}", *cells]
@@ -366,6 +366,8 @@ class _Sheets:
         confidence = check.confidence if check else usual if FIGURES[name].scaled else None
         factor = confidence or 1.0
         formula = "=1" if confidence is None else "=requirements_confidence" if follows else f"={factor!r}"
+        if of_autofocus:
+            formula = f"={of_factor}"
         value = unit.number(line.value)
         checked = unit.number(factor * line.value)
         allowed: Any = "" if given is None else unit.number(given)
@@ -388,6 +390,18 @@ class _Sheets:
         if check is not None:
             self.checks.append((check, processing, symbol))
             self._cause(sheet, row, len(self.checks) + 3, check)
+
+    def _tighter(self, name: str, cell: str, own: float, confidence: float | None) -> tuple[str, str]:
+        """Formulas of limit and factor where an autofocus has a limit itself: that or the cell's, at one sigma the
+        lower."""
+        limit, factor = repr(own), repr(confidence or 1.0)
+        if name == "path_before_autofocus":
+            factor = "requirements_confidence"
+            if self.design.radar.range_resolution is None:
+                limit = f"{symbol_of('radar.azimuth_resolution')}/2"
+        entered = "requirements_confidence" if FIGURES[name].scaled else "1"
+        lower = f'IF({cell}="",FALSE,{cell}/{entered}<{limit}/{factor})'
+        return f"IF({lower},{cell},{limit})", f"IF({lower},{entered},{factor})"
 
     def _of_flight(self, sheet: Any, row: int, check: Check) -> None:
         """A requirement that the flight judges: NavBudget's value, not known once a cell is changed."""

@@ -303,7 +303,7 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
         lambda design: design.autofocus.works,
         "Quadratic, cubic and detrended phase are those after autofocus [S-9], with its error of estimation [S-10]. "
         "Place and CE90 stay as they are, as it never removes the line. Errors that differ over the swath stay, and "
-        "are in no figure. Simulated runs of the Image page have no such autofocus.",
+        "are in no figure.",
     ),
     (
         lambda design: design.autofocus.works and design.radar.autofocus_order > 1,

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nav_model.base.units import plain_number
+from nav_model.budget import Budget
 from nav_model.budget.contributors import Contributors
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.sar.strategies import NAMES
@@ -40,7 +41,13 @@ _DONE = {
 }
 _SIMPLEST_FIRST = ("2", "3", "4", "5", "5w", "8", "9", "6", "7")  # reconstructions last
 LEFT = {1: "after linear detrend", 2: "after quadratic autofocus", 3: "after cubic autofocus"}
-"""Order of the autofocus -> what its residual is called."""
+"""Order of the polynomial that an autofocus removes -> what its residual is called."""
+
+
+def left_by(budget: Budget) -> str:
+    """What the residual of a design's autofocus is called."""
+    used = budget.design.autofocus
+    return f"after {used.method}" if used.works else LEFT[budget.sar.autofocus_order]
 
 
 class Recommendation(NamedTuple):
@@ -185,7 +192,7 @@ def advise(
     break_even = float(break_even_aperture(conditions))
     limit = _break_even_noise(conditions) if fitted else 0.0
     change = ""
-    if conditions.autofocus_order > 1:
+    if conditions.autofocus_order > 1 or conditions.residual is not None:
         change = "Autofocus removes the quadratic under every strategy, so the choice hardly matters here. "
     change += f"The quadratic fit is worthwhile for apertures longer than about {break_even:.3g} s"
     change += f"; yours is {span:.3g} s."
@@ -200,7 +207,7 @@ def advise(
 def _break_even_noise(conditions: Conditions) -> float:
     """Fix noise [m] at which strategies 2 and 5 are equal, as the fit's noise grows with its square. Zero with
     autofocus. Contributors enter both alike."""
-    if conditions.autofocus_order > 1:
+    if conditions.autofocus_order > 1 or conditions.residual is not None:
         return 0.0
     conditions = replace(conditions, contributors=Contributors())
     free, _, fitted, *_ = np.square(map_of_winners(conditions).sigma)

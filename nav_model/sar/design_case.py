@@ -13,7 +13,8 @@ from nav_model.budget import Budget
 from nav_model.budget import smoothed as post_processed
 from nav_model.budget.fast import not_flown
 from nav_model.budget.inputs import CONSTANT_KEYS, VARYING_KEYS, Inputs, inputs_of
-from nav_model.budget.real_time import RealTime
+from nav_model.budget.real_time import RealTime, of_fast
+from nav_model.budget.verdict import lowest_limit
 from nav_model.design import Design
 from nav_model.design.declaration import in_sentence
 from nav_model.design.parts import quantity
@@ -21,6 +22,7 @@ from nav_model.design.processing import POST_PROCESSED
 from nav_model.sar.advice import candidates, strategy_in_use
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.flown_engine import ApertureFlight, flight_of
+from nav_model.sar.focusing import Focusing
 from nav_model.sar.line_of_sight import ApertureGeometry
 from nav_model.sar.strategies import NAMES
 from nav_model.sar.winners import Conditions, SmoothedVariances
@@ -37,7 +39,8 @@ _MOST_FIXES = 5000
 class DesignCase:
     """Case that the ensemble simulates: SI; vibration factor applied; ``rate`` [Hz] of the histories.
 
-    ``flight``: what the simulator flies; None for the fast engine.
+    ``focusing``: the autofocus, where the design has one with limits of its own. ``flight``: what the simulator
+    flies; None for the fast engine.
     """
 
     models: tuple[AxisModel, AxisModel, AxisModel]
@@ -48,6 +51,7 @@ class DesignCase:
     window: Window
     autofocus_order: int
     rate: float
+    focusing: Focusing | None = None
     flight: ApertureFlight | None = None
 
     @property
@@ -112,6 +116,7 @@ def design_case(budget: Budget, engine: Engine = "fast") -> DesignCase:
         window=sar.window,  # type: ignore[arg-type]
         autofocus_order=sar.autofocus_order,
         rate=samples / sar.aperture_time,
+        focusing=_focusing(design, x),
         flight=flight_of(design, sar.aperture_time, coast) if engine == "simulator" else None,
     )
 
@@ -133,7 +138,9 @@ def conditions(
         Whether the whole-leg smoother is wanted, too; on a grid it takes longer than all the others.
     """
     x = inputs_of(budget.design, changes)
-    model = RealTime(x)
+    model, focusing = RealTime(x), _focusing(budget.design, x)
+    after = x.autofocus_order if x.residual is None else x.residual
+    largest = math.inf if focusing is None else focusing.largest
     start = model.at_last_fix
     return Conditions(
         aperture_time=x.aperture,
@@ -154,23 +161,46 @@ def conditions(
         squint_angle=x.squint,
         slow=x.slow,
         slow_with_tilt=0.0 if x.slow is None else model.cycle.slow_with_tilt,
-        smoothed=_smoothed(x) if smoothed else None,
+        smoothed=_smoothed(x, largest) if smoothed else None,
         post_processed=x.processing == POST_PROCESSED,
         contributors=x.contributors,
         to_phase=x.to_phase,
         fast=(
             sum(made.quadratic for made in x.fast.values()),
-            sum(getattr(made, f"left_{x.autofocus_order}") for made in x.fast.values()),
+            sum(of_fast(made, after).detrended for made in x.fast.values()),
         ),
+        residual=x.residual,
+        estimation=0.0 if focusing is None else focusing.estimation,
+        largest=largest,
     )
 
 
-def _smoothed(x: Inputs) -> SmoothedVariances:
-    """The whole-leg smoother's variances [m²] as the budget has them. [P-5], [S-8]"""
+def _focusing(design: Design, x: Inputs) -> Focusing | None:
+    """The design's autofocus with limits of its own, None without one."""
+    used = design.autofocus
+    if x.estimation is None or x.estimated is None:
+        return None
+    bins, amplitude = used.points
+    bins = bins if used.range_bins is None else used.range_bins
+    amplitude = amplitude if used.signal_to_clutter is None else used.signal_to_clutter
+    to_phase = float(x.to_phase)
+    limits = {"phase_before_autofocus": to_phase, "path_before_autofocus": 1.0}
+    given = [
+        limit.at_one_sigma / scale
+        for name, scale in limits.items()
+        if (limit := lowest_limit(design, name)) is not None
+    ]
+    estimation = float(x.estimation) * math.sqrt(float(x.estimated[2])) / to_phase
+    return Focusing(used, float(bins), float(amplitude) ** 2, estimation, min(given))
+
+
+def _smoothed(x: Inputs, largest: float) -> SmoothedVariances:
+    """The whole-leg smoother's variances [m²] as the budget has them; where one sigma of the quadratic is beyond the
+    largest [m] that an autofocus removes, before it. [P-5], [S-8]"""
     model = post_processed.Smoothed(x)
-    return SmoothedVariances(
-        *(np.square(phase / x.to_phase) for phase in (model.quadratic_phase, model.detrended_phase))
-    )
+    quadratic = model.path_before_autofocus
+    phase = np.where(quadratic > largest, model.detrended(1), model.detrended_phase)
+    return SmoothedVariances(np.square(quadratic), np.square(phase / x.to_phase))
 
 
 def judged(design: Design) -> str:
@@ -208,9 +238,10 @@ def study_cautions(budget: Budget) -> tuple[str, ...]:
         )
     cautions += not_flown(design)
     if design.autofocus.works:
-        cautions += (
-            "Strategies, runs and advice here are before the design's autofocus; its phases, and the limits on them, "
-            "are those after it [S-9].",
+        cautions.append(
+            "Strategies are judged after the design's autofocus: its residual and its error of estimation [S-9], "
+            "[S-10], and nothing removed where its limits are not met. Histories, responses and pictures of the "
+            f"typical run are those of a {design.autofocus.method} at work on points in clutter."
         )
     beside = [key for key in (*VARYING_KEYS, *CONSTANT_KEYS) if design[key] and not key.endswith("correlation_time")]
     if beside:

@@ -10,6 +10,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import repeat
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,10 +23,11 @@ from nav_model.budget.verdict import decisive
 from nav_model.design import Design
 from nav_model.design.figures import DETRENDED
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
-from nav_model.sar.advice import LEFT, Advice, advise, spread_of
+from nav_model.sar.advice import Advice, advise, left_by, spread_of
 from nav_model.sar.decomposition import MedianBand, autofocus, band
 from nav_model.sar.design_case import DesignCase, Engine, able, conditions, design_case
 from nav_model.sar.flown_engine import fly_axes
+from nav_model.sar.focusing import focused
 from nav_model.sar.line_of_sight import range_error
 from nav_model.sar.strategies import NAMES, STRATEGIES, STRATEGY_KEYS, Strategy, StrategyErrors, Tuning
 from nav_model.sar.study import RunMeasures, choose_tuning, measure_runs, simulate_axes, typical_run
@@ -52,6 +54,13 @@ class ClosedForms:
     required_phase: float | None
 
 
+class TypicalRun(NamedTuple):
+    """Error of each strategy (10, n) in one run, m: less its ``line``, and what the autofocus leaves of it."""
+
+    line: Array
+    residual: Array
+
+
 @dataclass(frozen=True)
 class Chunk:
     """Some of the runs: their measures, the residual of each only as its sum of squares (10, n)."""
@@ -68,8 +77,9 @@ class SarStudy:
     ``parts``, ``responses``: name -> band (10,); a response is NaN where there is no image. ``rms``: root mean
     square over the runs of the residual after autofocus, ``quadratic_rms`` of the quadratic coefficient: what a
     closed form is compared with; ``rms_error``, ``quadratic_rms_error`` their standard errors.
-    ``time`` (n,), ``typical`` (10, n): the run whose free INS is the median one; ``spread`` (10, n): rms over the
-    runs.
+    ``unfocused``: as ``rms``, with the line alone removed. ``beyond`` (10,): whether the limits of an autofocus are
+    not met, so that it removes nothing.
+    ``time`` (n,), ``typical``: the run whose free INS is the median one; ``spread`` (10, n): rms over the runs.
     ``engine``: which engine made the runs.
     """
 
@@ -81,13 +91,15 @@ class SarStudy:
     responses: dict[str, MedianBand]
     rms: Array
     rms_error: Array
+    unfocused: Array
+    beyond: NDArray[np.bool_]
     quadratic_rms: Array
     quadratic_rms_error: Array
     jump_rms: MedianBand
     fix_harmonics: MedianBand
     fixes: int
     time: Array
-    typical: Array
+    typical: TypicalRun
     spread: Array
     tuning: Tuning
     engine: Engine = "fast"
@@ -135,7 +147,7 @@ class SarStudy:
         spread = spread_of(decisive(self.budget.design, DETRENDED)[0])
         sentence = (
             f"Over {self.runs} {what}, {best.name} leaves {self._in_words(best.key)} {spread} "
-            f"{LEFT[self.budget.sar.autofocus_order]}, {why}."
+            f"{left_by(self.budget)}, {why}."
         )
         if best.timing == POST_PROCESSED:
             sentence += " It needs post-processing."
@@ -201,7 +213,7 @@ def run_chunk(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int
     """
     measures = measure_runs(
         _simulated(case, tuning, seed, index, runs), case.geometry, case.wavelength, case.models[1].fix_interval,
-        case.window, case.autofocus_order,
+        case.window, case.autofocus_order, case.focusing,
     )  # fmt: skip
     square = np.sum(measures.residual**2, axis=1)
     return Chunk(replace(measures, residual=measures.residual[:, :0]), square, runs)
@@ -214,8 +226,8 @@ def typical_place(parts: Sequence[Chunk]) -> tuple[int, int, int]:
     return index, parts[index].runs, within
 
 
-def typical_history(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int, within: int) -> Array:
-    """Residual (10, n) [m] of one run, simulated again from its chunk's seed.
+def typical_history(case: DesignCase, tuning: Tuning, seed: int, index: int, runs: int, within: int) -> TypicalRun:
+    """One run, simulated again from its chunk's seed; an autofocus with limits of its own is at work on it.
 
     Parameters
     ----------
@@ -226,11 +238,17 @@ def typical_history(case: DesignCase, tuning: Tuning, seed: int, index: int, run
     """
     along, across, down = _simulated(case, tuning, seed, index, runs)
     errors = (axis.error[:, within] for axis in (along, across, down))
-    return autofocus(range_error(case.geometry, along.time, *errors), case.autofocus_order)
+    error = range_error(case.geometry, along.time, *errors)
+    line = autofocus(error)
+    if case.focusing is None:
+        return TypicalRun(line, autofocus(error, case.autofocus_order))
+    to_phase = 4 * np.pi / case.wavelength
+    rows = [focused(to_phase * row, case.focusing, seed + place) / to_phase for place, row in enumerate(line)]
+    return TypicalRun(line, np.stack(rows))
 
 
 def gather(
-    budget: Budget, case: DesignCase, tuning: Tuning, seed: int, parts: Sequence[Chunk], history: Array
+    budget: Budget, case: DesignCase, tuning: Tuning, seed: int, parts: Sequence[Chunk], history: TypicalRun
 ) -> SarStudy:
     """The study from all its chunks.
 
@@ -242,21 +260,24 @@ def gather(
         As `run_chunk`.
     parts : sequence of Chunk
         In order.
-    history : array (10, n)
+    history : TypicalRun
         The `typical_history` of its `typical_place`.
     """
     runs = sum(chunk.runs for chunk in parts)
     values = {name: _joined([c.measures.parts[name] for c in parts]) for name in parts[0].measures.parts}
     responses = {name: _joined([c.measures.responses[name] for c in parts]) for name in parts[0].measures.responses}
+    quadratic, quadratic_error = _root_mean_square(values["quadratic"])
+    beyond = quadratic > (np.inf if case.focusing is None else case.focusing.largest)
+    values["residual_rms"] = np.where(beyond[:, None], values["detrended_rms"], values["residual_rms"])
     bands = {name: band(value) for name, value in values.items()}
     to_phase = 4 * np.pi / case.wavelength
     residual = bands["residual_rms"].high
-    if case.autofocus_order == 1:
+    if case.autofocus_order == 1 and case.focusing is None:
         residual = bands["quadratic"].high
-    smeared = to_phase * residual > _NO_IMAGE_RAD
+    smeared = (to_phase * residual > _NO_IMAGE_RAD) | beyond
     first = parts[0].measures
     rms, rms_error = _root_mean_square(values["residual_rms"])
-    quadratic, quadratic_error = _root_mean_square(values["quadratic"])
+    unfocused, _ = _root_mean_square(values["detrended_rms"])
     return SarStudy(
         budget=budget,
         runs=runs,
@@ -266,6 +287,8 @@ def gather(
         responses={name: _without(band(value), smeared) for name, value in responses.items()},
         rms=rms,
         rms_error=rms_error,
+        unfocused=unfocused,
+        beyond=beyond,
         quadratic_rms=quadratic,
         quadratic_rms_error=quadratic_error,
         jump_rms=band(np.concatenate([c.measures.jump_rms for c in parts])),

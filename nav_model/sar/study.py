@@ -9,6 +9,7 @@ from nav_model.base.arrays import Array
 from nav_model.sar.axis_model import AxisModel
 from nav_model.sar.decomposition import Decomposition, autofocus, decompose, fix_rate_harmonics, run_responses
 from nav_model.sar.fast_engine import simulate_axis, simulate_histories
+from nav_model.sar.focusing import Focusing, after_autofocus
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
 from nav_model.sar.strategies import StrategyErrors, Tuning, damping_loop, tracking_filter
 
@@ -73,6 +74,7 @@ def measure_runs(
     fix_interval: float,
     window: Window = "uniform",
     autofocus_order: int = 1,
+    focusing: Focusing | None = None,
 ) -> RunMeasures:
     """Measure strategies already applied to each axis, by either engine.
 
@@ -90,6 +92,8 @@ def measure_runs(
         Weighting.
     autofocus_order : int, optional
         Of the polynomial that is removed.
+    focusing : Focusing, optional
+        An autofocus in its place, whose error of estimation is in ``parts["residual_rms"]``.
     """
     along, across, down = axes
     error = range_error(geometry, along.time, along.error, across.error, down.error)
@@ -97,8 +101,10 @@ def measure_runs(
     steady = -sum(part * axis.error for part, axis in zip(line, axes, strict=True))
     jumps = np.sqrt(sum(part**2 * axis.jump_rms**2 for part, axis in zip(line, axes, strict=True)))
     parts = decompose(error, autofocus_order)
-    residual = autofocus(error, autofocus_order)
+    residual = autofocus(error, autofocus_order) if focusing is None else after_autofocus(error, focusing.used)
     measured = {name: np.abs(getattr(parts, name)) for name in Decomposition.__dataclass_fields__}
+    if focusing is not None:
+        measured["residual_rms"] = np.sqrt(np.mean(residual**2, axis=-1) + focusing.estimation**2)
     measured["along_track_quadratic"] = np.abs(decompose(error - steady).quadratic)
     sampled = int(fix_interval / (2 * (along.time[1] - along.time[0])) + 1e-9)
     return RunMeasures(

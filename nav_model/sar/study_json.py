@@ -52,7 +52,7 @@ def to_json(study: SarStudy, beside: SarStudy | None = None) -> dict[str, Any]:
         "tuning": asdict(study.tuning),
         "typical_run": {
             "time_s": study.time.tolist(),
-            "residual_m": {s.key: study.typical[i].tolist() for i, s in enumerate(STRATEGIES)},
+            "residual_m": {s.key: study.typical.residual[i].tolist() for i, s in enumerate(STRATEGIES)},
             "residual_rms_over_runs_m": {s.key: study.spread[i].tolist() for i, s in enumerate(STRATEGIES)},
         },
         "maps": {

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from nav_model.analytic.discrete import SlowError
 from nav_model.analytic.steady_state import Horizontal, Vertical
 from nav_model.analytic.turning import LEFT_OF_ORDER, Turn, free_bend, turn_of
+from nav_model.aperture.autofocus import Residual
 from nav_model.aperture.geometry import line_of_sight_weights
 from nav_model.aperture.phase import phase_budget, total
 from nav_model.base.arrays import Array
@@ -58,7 +59,9 @@ class Conditions:
     correlation time; ``start`` is then that of the filter that estimates it, and ``slow_with_tilt`` [m rad] the
     covariance of its tilt error with the slow error itself. ``smoothed``: of the whole-leg smoother [m²].
     ``post_processed``: whether the image is made after the flight. ``contributors``: the user's own, which enter the
-    phases of every strategy; ``to_phase`` [rad/m] is what they need.
+    phases of every strategy; ``to_phase`` [rad/m] is what they need. ``residual``: of an autofocus in place of the
+    polynomial, which adds ``estimation`` [m] and removes nothing where one sigma of the quadratic is beyond
+    ``largest`` [m]; ``autofocus_order`` is then 1.
     """
 
     aperture_time: ArrayLike
@@ -85,6 +88,9 @@ class Conditions:
     fast: tuple[ArrayLike, ArrayLike] = (0.0, 0.0)
     contributors: Contributors = field(default_factory=Contributors)
     to_phase: ArrayLike = 1.0
+    residual: Residual | None = None
+    estimation: ArrayLike = 0.0
+    largest: ArrayLike = np.inf
 
 
 class SmoothedVariances(NamedTuple):
@@ -112,9 +118,17 @@ def strategy_variances(c: Conditions) -> StrategyVariances:
     t, dt = np.asarray(c.aperture_time, float), np.asarray(c.fix_interval, float)
     n = fixes_in_aperture(t, dt) if c.fixes is None else np.asarray(c.fixes, float)
     sensors = (c.start.p33, c.accelerometer_noise, c.gyro_noise, c.accelerometer_bias, c.gyro_bias, c.gravity)
+    after = c.autofocus_order if c.residual is None else c.residual
     free = total(phase_budget(*sensors, t, 0.0, c.grazing_angle, c.autofocus_order))
     coasted = total(phase_budget(*sensors, t, c.coast_time, c.grazing_angle, c.autofocus_order))
-    rest = total(phase_budget(*sensors, t, 0.0, c.grazing_angle, max(c.autofocus_order, 2))).detrended
+    remains, coasted_remains = (
+        total(phase_budget(*sensors, t, coast, c.grazing_angle, after)).detrended for coast in (0.0, c.coast_time)
+    )
+    weight = _of_the_quadratic(c)
+    if c.residual is None:
+        rest = total(phase_budget(*sensors, t, 0.0, c.grazing_angle, max(c.autofocus_order, 2))).detrended
+    else:
+        rest = remains - weight * free.quadratic
 
     slow, slow_horizontal, slow_vertical = _slow_fits(c, t, dt, n)
     across = fit_quadratic_sigma(c.gnss_sigma, dt, t, n) ** 2 + slow_horizontal * slow.quadratic
@@ -133,24 +147,43 @@ def strategy_variances(c: Conditions) -> StrategyVariances:
 
     with np.errstate(invalid="ignore"):  # no fit, on an axis of zero weight
         fitted = np.where(n > 2, horizontal * across + vertical * down, np.inf)
-    if c.autofocus_order == 1:
-        corrected = [QUADRATIC_MEAN_SQUARE * part + rest for part in (fitted, shrunk)]
+    if weight:
+        corrected = [weight * part + rest for part in (fitted, shrunk)]
     else:
         corrected = [np.where(n > 2, rest, np.inf), rest]
     turn = turn_of(c.grazing_angle, c.squint_angle, c.turn_rate, t)
     ends = [free.quadratic, coasted.quadratic, fitted, shrunk]
-    residuals = [free.detrended, coasted.detrended, *corrected]
+    residuals = [remains, coasted_remains, *corrected]
     bent = _bent(c, "quadratic", t, dt, n, turn)
-    if c.autofocus_order in LEFT_OF_ORDER:
-        kind, factor = LEFT_OF_ORDER[c.autofocus_order]
+    for kind, factor in _of_the_turn(c):
         also = bent if kind == "quadratic" else _bent(c, kind, t, dt, n, turn)
         residuals = [np.add(part, factor * more) for part, more in zip(residuals, also, strict=True)]
     ends = [np.add(part + more, c.fast[0]) for part, more in zip(ends, bent, strict=True)]
     residuals = [np.add(part, c.fast[1]) for part in residuals]
+    if c.residual is not None:  # beyond its limits, nothing is removed
+        alone = replace(c, residual=None, smoothed=None, contributors=Contributors())
+        residuals = [
+            np.where(end > np.square(c.largest), before, part + np.square(c.estimation))
+            for end, before, part in zip(ends, strategy_variances(alone).detrended, residuals, strict=True)
+        ]
     if c.smoothed is not None:
         ends.append(np.asarray(c.smoothed.quadratic))
         residuals.append(np.asarray(c.smoothed.detrended))
     return StrategyVariances(_composed(c, QUADRATIC, ends), _composed(c, DETRENDED, residuals))
+
+
+def _of_the_quadratic(c: Conditions) -> float:
+    """Part of the quadratic's variance that an autofocus leaves in the detrended one."""
+    if c.residual is not None:
+        return float(c.residual.quadratic[2])
+    return QUADRATIC_MEAN_SQUARE if c.autofocus_order == 1 else 0.0
+
+
+def _of_the_turn(c: Conditions) -> list[tuple[str, float]]:
+    """Likewise of the quadratic and the cubic that the turn makes."""
+    if c.residual is not None:
+        return [("quadratic", float(c.residual.quadratic[2])), ("cubic", float(c.residual.cubic[2]))]
+    return [LEFT_OF_ORDER[c.autofocus_order]] if c.autofocus_order in LEFT_OF_ORDER else []
 
 
 def _composed(c: Conditions, figure: str, variances: Sequence[ArrayLike]) -> Array:
@@ -233,7 +266,7 @@ def break_even_aperture(conditions: Conditions) -> Array:
     The aperture time and the autofocus of the conditions do not enter.
     """
     dt = np.asarray(conditions.fix_interval, float)
-    first = replace(conditions, autofocus_order=1, aperture_time=2 * dt, fixes=3.0, smoothed=None)
+    first = replace(conditions, autofocus_order=1, residual=None, aperture_time=2 * dt, fixes=3.0, smoothed=None)
     dt = np.broadcast_to(dt, strategy_variances(first).detrended.shape[1:])
     low, high = np.log(2.0 * dt), np.log(1e6 * dt)
     part = np.linspace(0, 1, _SECTIONS).reshape(-1, *[1] * dt.ndim)

@@ -3,6 +3,7 @@
 import io
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -17,7 +18,7 @@ from nav_model.budget import Budget
 from nav_model.budget.verdict import decisive
 from nav_model.design.figures import DETRENDED, QUADRATIC
 from nav_model.design.processing import POST_PROCESSED
-from nav_model.sar.advice import LEFT
+from nav_model.sar.advice import left_by
 from nav_model.sar.design_map import gnss_map
 from nav_model.sar.design_study import ClosedForms, SarStudy
 from nav_model.sar.pictures import Pictures
@@ -32,7 +33,7 @@ _COUNT = {4: "four", 5: "five"}
 def navigation_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: str) -> Chart:
     """Line-of-sight error over the aperture of the typical run, what the autofocus removes removed."""
     rows = [STRATEGY_KEYS.index(key) for key in keys]
-    curves = _candidate_curves(study, study.typical[rows], rows)
+    curves = _candidate_curves(study, study.typical.residual[rows], rows)
     return Chart(
         key=name,
         title=f"Error history, {title}",
@@ -56,7 +57,7 @@ def responses_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: st
     """Azimuth impulse responses of the typical run, overlaid."""
     keys_shown, sar = ("1", *keys), study.budget.sar
     rows = [STRATEGY_KEYS.index(key) for key in keys_shown]
-    apertures = aperture_of_phase(metres_to_phase(study.typical[rows], sar.wavelength))
+    apertures = aperture_of_phase(metres_to_phase(study.typical.residual[rows], sar.wavelength))
     cells, power = response_curve(apertures, sar.window, extent_cells=8.0)  # type: ignore[arg-type]
     metres = cells * sar.cell_length
     return Chart(
@@ -80,8 +81,7 @@ def _candidate_curves(study: SarStudy, curves: Array, rows: Sequence[int]) -> Ar
 
 
 def _typical(study: SarStudy) -> str:
-    residual = LEFT[study.budget.sar.autofocus_order]
-    return f"One of {study.runs} runs, in which {NAMES['2']} has the median rms, {residual}."
+    return f"One of {study.runs} runs, in which {NAMES['2']} has the median rms, {left_by(study.budget)}."
 
 
 def residual_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> DotChart:
@@ -89,15 +89,16 @@ def residual_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) 
     return _dot_chart(
         "sar-residual", "Strategies ranked by detrended phase", "detrended phase, rms", budget,
         closed.detrended, study, "rms", "residual_rms", DETRENDED,
-        f"The rms {LEFT[budget.sar.autofocus_order]}. {judged_along(budget)} {FORMULAS}. {_chosen(budget)}",
+        f"The rms {left_by(budget)}. {judged_along(budget)} {FORMULAS}. {_chosen(budget)}",
     )  # fmt: skip
 
 
 def quadratic_chart(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> DotChart:
     """Quadratic phase of each strategy before autofocus, the least first: formula beside the runs."""
+    figure = "phase_before_autofocus" if budget.design.autofocus.works else QUADRATIC
     return _dot_chart(
         "sar-quadratic", "Strategies ranked by quadratic phase", "quadratic phase at the aperture's ends", budget,
-        closed.quadratic, study, "quadratic_rms", "quadratic", QUADRATIC,
+        closed.quadratic, study, "quadratic_rms", "quadratic", figure,
         f"Before autofocus. Formulas [S-8], [S-7], {NAMES['9']} [P-5]. {_chosen(budget)}",
     )  # fmt: skip
 
@@ -148,6 +149,33 @@ def _rank(dot: Dot) -> float:
 
 
 POINT_TITLE = "Point target under each strategy"
+
+
+def point_pictures_of(study: SarStudy, points: Pictures, unfocused: Pictures | None) -> tuple[PictureChart, ...]:
+    """The point under each strategy; before it, where the design's autofocus is at work, the point without it."""
+    focused = point_picture(study.budget, points)
+    if unfocused is None:
+        return (focused,)
+    before = point_picture(study.budget, unfocused)
+    method = study.budget.design.autofocus.method
+    to_degrees = _DEG * float(metres_to_phase(1.0, study.budget.sar.wavelength))
+    captions = []
+    for row, _ in strategies_of(study.budget):
+        result = to_degrees * float(np.sqrt(np.mean(study.typical.residual[row] ** 2)))
+        predicted = (
+            "not predicted" if study.beyond[row] else f"predicted {number(to_degrees * float(study.rms[row]))}°"
+        )
+        captions.append(f"{number(result)}°, {predicted}")
+    return (
+        replace(before, key="sar-point-unfocused", title=f"{POINT_TITLE}, before autofocus"),
+        replace(
+            focused,
+            title=f"{POINT_TITLE}, after {method}",
+            captions=tuple(captions),
+            knowledge=f"{focused.knowledge} Focused by a {method} at work on points in clutter. Degrees: the phase "
+            "that is left, rms over the aperture, and its prediction, rms over the runs [S-9], [S-10].",
+        ),
+    )
 
 
 def point_picture(budget: Budget, pictures: Pictures) -> PictureChart:

@@ -21,7 +21,7 @@ from app.session import Session
 from app.subjects.sar.charts import (
     POINT_TITLE,
     RUN_CHARTS,
-    point_picture,
+    point_pictures_of,
     quadratic_chart,
     residual_chart,
     to_npz,
@@ -114,6 +114,7 @@ class SarPage(StudyPage[SarResult]):
                 ),
                 ("Parts of the error, impulse response in numbers", lambda: runs.text(self._tables)),
                 ("Quadratic phase before autofocus", lambda: design.text(self._quadratic)),
+                ("Point target before autofocus", lambda: runs.text(self._unfocused)),
                 ("Your phase history", lambda: self._upload),
                 ("Exports", lambda: runs.later(self._exports)),
             )
@@ -163,7 +164,11 @@ class SarPage(StudyPage[SarResult]):
         head = head_html(chart.title, chart.knowledge, self._mark, legend_html(chart), described(chart))
         self._rank_head.say(head)
         self._ranks.say(ranks_html(chart, best))
-        self._image_head.say(head_html(POINT_TITLE, self._points.knowledge if self._points else coming, self._mark))
+        self._image_head.say(
+            head_html(
+                *(self._points.title, self._points.knowledge) if self._points else (POINT_TITLE, coming), self._mark
+            )
+        )
         self._of_design.follow()
         self._of_result.follow()
 
@@ -180,6 +185,12 @@ class SarPage(StudyPage[SarResult]):
 
     def _tables(self, result: SarResult) -> str:
         return self._mark + html_of(*run_tables(result.study, result.beside, "page"))
+
+    def _unfocused(self, result: SarResult) -> str:
+        before, *focused = point_pictures_of(result.study, result.points, result.unfocused)
+        if not focused:
+            return "<p>Shown above: the design has no autofocus with limits of its own.</p>"
+        return f'{self._mark}<p class="quiet">{escape(before.knowledge)}</p>{picture_gallery(before, row=True)}'
 
     def _quadratic(self, budget: Budget) -> str:
         chart: DotChart = quadratic_chart(budget, self._closed, self._runs)
@@ -207,7 +218,7 @@ class SarPage(StudyPage[SarResult]):
 
     def _receive(self, result: SarResult) -> None:
         super()._receive(result)
-        self._points = point_picture(result.study.budget, result.points)
+        self._points = point_pictures_of(result.study, result.points, result.unfocused)[-1]
         self._images.object = picture_gallery(self._points, row=True)
         if self._upload.file is not None:
             self._upload.form()

@@ -6,7 +6,7 @@ from app.charts.kinds import Drawing
 from app.document.blocks import Block, Section, Text, chart_block
 from app.document.numbers import degrees
 from app.document.wording import identified
-from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, point_picture, winner_chart
+from app.subjects.sar.charts import RUN_CHARTS, STRATEGY_CHARTS, point_pictures_of, winner_chart
 from app.subjects.sar.command import studied
 from app.subjects.sar.run import SarResult
 from app.subjects.sar.tables import advised, cautions, error_table, reasons, run_tables
@@ -34,7 +34,9 @@ def study(design: Design, options: argparse.Namespace) -> SarResult:
         For an option or a key of the design that cannot be used.
     """
     result = studied(design, _RUNS if options.runs is None else options.runs, options.seed, "SAR: ")
-    return SarResult(design_case(result.budget), result, point_pictures(result.budget, result.typical))
+    case, typical = design_case(result.budget), result.typical
+    unfocused = None if case.focusing is None else point_pictures(result.budget, typical.line)
+    return SarResult(case, result, point_pictures(result.budget, typical.residual), unfocused)
 
 
 def another_design(result: SarResult, design: Design) -> str:
@@ -48,7 +50,7 @@ def sections(result: SarResult, key: str) -> tuple[Section, ...]:
     study = result.study
     budget, closed = study.budget, study.closed
     parts, lobe, integrated, *engines = run_tables(study, result.beside, key)
-    images = (point_picture(budget, result.points), result.uploaded)
+    images = (*point_pictures_of(study, result.points, result.unfocused), result.uploaded)
     phase = degrees(float(metres_to_phase(1e-3, budget.sar.wavelength)))
 
     def drawn(*charts: Drawing) -> tuple[Block, ...]:

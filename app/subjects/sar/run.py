@@ -20,12 +20,14 @@ from nav_model.sar.study import choose_tuning
 
 @dataclass(frozen=True)
 class SarResult:
-    """A study, the case it was run for, and images of a point; beside flights of the simulator the fast engine's
+    """A study, the case it was run for, and images of a point, also without an autofocus that has limits of its own;
+    beside flights of the simulator the fast engine's
     study, and a phase history of the user's with its navigation error, if there is one."""
 
     case: DesignCase
     study: SarStudy
     points: Pictures
+    unfocused: Pictures | None = None
     beside: SarStudy | None = None
     uploaded: PictureChart | None = None
 
@@ -62,7 +64,9 @@ async def run_strategies(run: Run, budget: Budget, runs: int, seed: int, engine:
     if engine == "simulator":
         _, beside = await _study(run, budget, max(runs, LEAST_BESIDE), seed, "fast", "error model: ")
     run.tell("Forming the images")
-    return SarResult(case, study, await run_in_pool(point_pictures, budget, study.typical), beside)
+    points = await run_in_pool(point_pictures, budget, study.typical.residual)
+    unfocused = None if case.focusing is None else await run_in_pool(point_pictures, budget, study.typical.line)
+    return SarResult(case, study, points, unfocused, beside)
 
 
 async def _study(

@@ -17,7 +17,7 @@ from nav_model.aperture.geometry import metres_to_phase
 from nav_model.budget import Budget
 from nav_model.budget.verdict import STRAIGHT_LEG, Check, Verdict, decisive
 from nav_model.design.figures import DETRENDED, label_of
-from nav_model.sar.advice import LEFT, Recommendation, recommendation
+from nav_model.sar.advice import Recommendation, left_by, recommendation
 from nav_model.sar.agreement import agreement, agreement_sentence
 from nav_model.sar.decomposition import MedianBand
 from nav_model.sar.design_case import able, flight_cautions, judged, study_cautions
@@ -80,7 +80,9 @@ def recommended(budget: Budget, closed: ClosedForms, study: SarStudy | None) -> 
     formulas = {key: to_phase * value for key, value in closed.detrended.items() if value is not None}
     phase = formulas if study is None else {key: to_phase * study.residual(key) for key in STRATEGY_KEYS}
     smoothed = phase.get("9")
-    if check is not None:
+    # Beyond the limits of an autofocus the check is of a phase that nothing focuses.
+    unfocused = {"phase_before_autofocus", "path_before_autofocus"} & set(budget.straight_leg().failing)
+    if check is not None and not unfocused:
         phase[in_use] = check.value
     known = {key: phase[key] for key in able(design) if key in phase}
     return recommendation(known, in_use, design.processing.mode, limit, confidence, smoothed=smoothed)
@@ -116,24 +118,27 @@ def cautions(budget: Budget, study: SarStudy | None) -> Bullets:
 
 def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key: str) -> TableBlock:
     """One row per strategy: closed form and runs, at the confidence of the limit."""
-    rows = []
+    rows, unfocused = [], budget.design.autofocus.works
     confidence, _ = decisive(budget.design, DETRENDED)
     for index, strategy in strategies_of(budget):
         form = closed.detrended.get(strategy.key)
         cells = [NONE, NONE] if form is None else [_number(confidence * scale * form) for scale in _scales(budget)]
         if study is None:
-            cells += [_NOT_RUN] * 3
+            cells += [_NOT_RUN] * (4 if unfocused else 3)
         else:
             millimetres, degrees = (confidence * scale for scale in _scales(study.budget))
             cells += [_number(scale * float(study.residuals[index])) for scale in (millimetres, degrees)]
             band = study.parts["residual_rms"]
             whole_band = MedianBand(*(study.composed(DETRENDED, x) for x in (band.median, band.low, band.high)))
             cells += [_banded(whole_band, index, degrees)]
+            if unfocused:
+                whole = _number(degrees * float(study.composed(DETRENDED, study.unfocused)[index]))
+                cells += [f"{whole}, not removed" if study.beyond[index] else whole]
         rows.append((strategy.name, kind_of(strategy), *cells))
     runs = "" if study is None else f"{runs_in_words(study)}. {_BANDS} "
     return table(
         f"{key}-sar-errors",
-        f"Detrended phase by strategy: rms over the aperture {LEFT[budget.sar.autofocus_order]}"
+        f"Detrended phase by strategy: rms over the aperture {left_by(budget)}"
         f"{'' if confidence == 1 else f', at {confidence:g}σ'}",
         (
             ("Strategy", 1.75),
@@ -141,6 +146,7 @@ def error_table(budget: Budget, closed: ClosedForms, study: SarStudy | None, key
             *numbers("[mm]", "[°]", width=0.8, group="Formula"),
             *numbers("[mm]", "[°]", width=0.8, group="Runs, rms"),
             *numbers("[°]", width=1.3, group="Runs, median"),
+            *(numbers("[°]", width=1.1, group="Runs, without autofocus") if unfocused else ()),
         ),
         rows,
         f"{runs}{judged_along(budget)} {FORMULAS}. Degrees are two-way phase [T-13].",

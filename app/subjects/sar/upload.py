@@ -82,7 +82,7 @@ class UploadedPicture(View):
         half = number("Half width [m]", self.half_width, 1.0, 5000.0)
         name, path = self.file
         run.tell(f"Forming {name}")
-        residual = result.study.typical[[STRATEGY_KEYS.index(self.strategy)]]
+        residual = result.study.typical.residual[[STRATEGY_KEYS.index(self.strategy)]]
         data = await asyncio.to_thread(path.read_bytes)
         pictures = await run_in_pool(uploaded_pictures, name, data, result.study.time, residual, half)
         chart = uploaded_picture(pictures, name, self.strategy)

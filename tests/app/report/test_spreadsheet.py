@@ -338,3 +338,35 @@ def test_a_formula_does_not_branch_by_value() -> None:
     angle = Traced("angle", np.float64(1.0), Workings())
     with pytest.raises(TypeError, match="cannot branch on angle>0"):
         bool(angle > 0)
+
+
+@pytest.mark.long
+def test_a_tighter_limit_on_a_figure_of_the_autofocus_acts(tmp_path: Path) -> None:
+    """Entered in the workbook of a design that has none; a looser one does not."""
+    base = example("mems_x_band").replace({"autofocus.method": "phase gradient", "autofocus.scene": "urban"})
+    names = "phase_before_autofocus", "path_before_autofocus", "autofocus_estimation"
+    tighter, looser = (dict(zip(names, limits, strict=True)) for limits in ((1.0, 1e-3, 0.01), (100.0, 10.0, 0.5)))
+    wanted = {
+        f"{number}.xlsx": {f"requirements.{name}": limit for name, limit in limits.items()}
+        | {"requirements.confidence": confidence}
+        for number, (limits, confidence) in enumerate(((tighter, 1.0), (tighter, 2.0), (looser, 2.0)))
+    }
+    for file, changes in wanted.items():
+        path = write(tmp_path / file, base)
+        book = openpyxl.load_workbook(path)
+        for key, value in changes.items():
+            book["Inputs"][entry(book, key)] = entered(book, key, value)
+        book.save(path)
+    done = tmp_path / "done"
+    convert(done, "xlsx", *(tmp_path / file for file in wanted))
+    for file, changes in wanted.items():
+        rows = {
+            row[0].value: row for row in openpyxl.load_workbook(done / file, data_only=True)["Budget"].iter_rows()
+        }
+        checks = {check.name: check for check in analyse(base.replace(changes)).judged("real time").checks}
+        for name in names:
+            cells, check = rows[checks[name].label], checks[name]
+            assert cells[6].value == pytest.approx(check.margin, rel=1e-9), (file, name)
+            assert cells[2].value == (check.confidence or 1.0)
+            assert cells[7].value == ("met" if check.met else "not met")
+    assert [analyse(base.replace(wanted[file])).verdict.closes for file in wanted] == [False, False, True]

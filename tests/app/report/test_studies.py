@@ -45,7 +45,7 @@ def findings(design) -> dict[str, Any]:
     spec = specification(design, runs=20, duration=140.0, outages=((100.0, 140.0),))
     simulation = study_of(design, simulate(spec, workers=1, closed_form=closed_form(design, spec)))
     study = image_study(design, 40, 3)
-    points = point_pictures(study.budget, study.typical)
+    points = point_pictures(study.budget, study.typical.residual)
     settings = from_design(DEFAULTS, design)
     survey = run_survey(settings)
     return {

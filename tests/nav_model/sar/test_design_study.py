@@ -120,8 +120,9 @@ def test_chunks_give_the_same_study_in_any_order(study):
     back = [run_chunk(case, study.tuning, 4, index, sizes[index]) for index in (1, 0)][::-1]
     joined = np.concatenate([chunk.measures.parts["residual_rms"] for chunk in back], axis=1)
     np.testing.assert_array_equal(study.parts["residual_rms"].median, np.median(joined, axis=1))
-    history = typical_history(case, study.tuning, 4, *typical_place(back))
-    np.testing.assert_array_equal(history, study.typical)
+    line, history = typical_history(case, study.tuning, 4, *typical_place(back))
+    np.testing.assert_array_equal(history, study.typical.residual)
+    np.testing.assert_array_equal(line, study.typical.line)
     rms = np.sqrt(np.mean(history[1] ** 2))
     assert rms == pytest.approx(study.parts["residual_rms"].median[1], rel=0.05)
     np.testing.assert_allclose(np.sqrt(np.mean(study.spread**2, axis=1)), study.rms, rtol=1e-9)
