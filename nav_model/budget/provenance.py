@@ -8,6 +8,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+import numpy as np
+
 from nav_model.base.constants import MEAN_RADIUS
 from nav_model.base.text.toml_text import shipped
 from nav_model.budget.inputs import CONSTANT_KEYS, VARYING_KEYS, inputs_of
@@ -130,11 +132,31 @@ def cautions(budget: Budget) -> tuple[str, ...]:
             "not included."
         )
     sentences += _of_quantization(budget)
+    if design.autofocus.works:
+        sentence = "Errors that differ over the swath stay after autofocus and are in no figure."
+        if (width := widest_swath(budget)) < design.radar.slant_range:
+            sentence += (
+                f" They exceed λ/16 at {design.requirements.confidence:g}σ at the edges of a swath wider than "
+            )
+            sentence += f"{width:.3g} m on the ground [S-9]."
+        sentences.append(sentence)
     sentences += _of_white_noise(design)
     sentences += _of_receiver_class(design)
     sentences += [f"{key} has no effect any more: {OUTDATED[key][1]}." for key in design.outdated]
     sentences += [sentence for holds, sentence in _STANDING if holds(design)]
     return tuple(sentences)
+
+
+def widest_swath(budget: Budget) -> float:
+    """Swath [m] on the ground up to which the quadratic that differs from that of its middle is below λ/16. [S-9]
+
+    At half of it the line of sight is W sin ψ/(2R) steeper, so the error across it in the vertical plane enters.
+    """
+    x = budget.x
+    across = replace(x, grazing_angle=x.grazing_angle + math.pi / 2, fast={})
+    quadratic = budget.design.requirements.confidence * np.sqrt(model_of(across).sight_variance("quadratic"))
+    edge = x.wavelength / 16 / quadratic * x.slant_range / np.sin(x.grazing_angle)
+    return 2 * float(edge)
 
 
 def _of_quantization(budget: Budget) -> list[str]:
@@ -302,8 +324,7 @@ _STANDING: tuple[tuple[Callable[[Design], bool], str], ...] = (
     (
         lambda design: design.autofocus.works,
         "Quadratic, cubic and detrended phase are those after autofocus [S-9], with its error of estimation [S-10]. "
-        "Place and CE90 stay as they are, as it never removes the line. Errors that differ over the swath stay, and "
-        "are in no figure.",
+        "Place and CE90 stay as they are, as it never removes the line.",
     ),
     (
         lambda design: design.autofocus.works and design.radar.autofocus_order > 1,

@@ -45,7 +45,7 @@ LEFT = {1: "after linear detrend", 2: "after quadratic autofocus", 3: "after cub
 
 
 def left_by(budget: Budget) -> str:
-    """What the residual of a design's autofocus is called."""
+    """Name of the residual of a design's autofocus."""
     used = budget.design.autofocus
     return f"after {used.method}" if used.works else LEFT[budget.sar.autofocus_order]
 

@@ -8,6 +8,7 @@ import pytest
 from nav_model import Design, analyse, read_design
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import inputs_of
+from nav_model.budget.provenance import cautions, widest_swath
 from nav_model.design.figures import FIGURES, OF_BUDGET
 from nav_model.design.file import format_design
 from nav_model.explore.margins import ratios
@@ -91,3 +92,23 @@ def test_without_it_a_design_is_what_it_was() -> None:
     assert "autofocus" not in format_design(MEMS).replace("autofocus_order", "")
     assert MEMS.replace({"autofocus.method": "none"}).content_hash == MEMS.content_hash
     assert not set(OWN) & {check.name for check in analyse(MEMS).verdict.checks}
+
+
+@pytest.mark.parametrize("mode", ["real time", "post-processed"])
+def test_at_the_edges_of_the_widest_swath_a_sixteenth_of_a_wave_differs(mode: str) -> None:
+    """Two points on flat ground, seen exactly, with the errors of a level and of an upright line of sight."""
+    noisy = MEMS.replace({"processing.mode": mode, "imu.angle_random_walk": 1e-3, "imu.velocity_random_walk": 0.1})
+    design = focused(noisy, requirements__confidence=2.0)
+    level, upright = (
+        analyse(noisy.replace({"radar.grazing_angle": angle})).figure("line_of_sight_quadratic_phase").sigma
+        for angle in (0.0, math.pi / 2)
+    )
+    budget = analyse(design)
+    width, slant, angle = widest_swath(budget), design.radar.slant_range, design.radar.grazing_angle
+    height, ground = slant * math.sin(angle), slant * math.cos(angle)
+    edge = math.hypot(height, ground + width / 2)
+    turns = (ground + width / 2) / edge - ground / slant, height / edge - height / slant
+    differs = 2.0 * math.hypot(turns[0] * level, turns[1] * upright)
+    assert width < 0.1 * slant
+    assert differs == pytest.approx(math.pi / 4, rel=width / slant)
+    assert any(f"{width:.3g} m on the ground" in sentence for sentence in cautions(budget))

@@ -8,6 +8,7 @@ import pytest
 from app.report.workings import Traces
 from nav_model import analyse, read_design
 from nav_model.budget.figures import figures
+from nav_model.budget.filter_figures import FilterFigures
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.json import to_json
 from nav_model.budget.real_time import RealTime
@@ -64,7 +65,7 @@ def test_twice_a_formula_is_twice_the_figure_everywhere(
     before = readings(design, name)
     assert before["page"] == pytest.approx(before["JSON"]) == pytest.approx(before["map and solve"])
     assert before.get("workbook", before["page"]) == pytest.approx(before["page"])
-    for model in (RealTime, Smoothed):
+    for model in (FilterFigures, RealTime, Smoothed):
         if name in vars(model):
             monkeypatch.setattr(model, name, doubled(vars(model)[name]))
     after = readings(design, name)
