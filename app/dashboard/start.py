@@ -28,6 +28,7 @@ STARTS = {
     PASTED: Start("budget", "Paste rows of its data sheet, or choose and type below. The verdict follows.", ("IMU",)),
     "My log": Start("sensors-log", "Choose a log of your IMU. One press puts its noise into the design."),
     "My flight": Start("flight-plan", "Open your plan, or choose lines. The verdict is then of the lines."),
+    "A flown flight": Start("flown", "Choose its solution and a second one. The page says if it met the budget."),
 }
 _MOST = 5000  # characters of a data sheet
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from app.document.blocks import Answer
 from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import format_quantity
 from nav_model.design.figures import FIGURES, figure_in_sentence
@@ -9,6 +10,7 @@ from nav_model.flown.relation import MEANINGS
 from nav_model.flown.result import ALL, FEW, FlownLine, FlownResult, Measured
 
 _STATES = ("not met", "cannot be told", "open", "met")
+_SIGNS = {"met": ("✓ ", "good"), "not met": ("✗ ", "bad")}
 
 
 def value_of(name: str, value: float) -> str:
@@ -19,14 +21,36 @@ def value_of(name: str, value: float) -> str:
 
 def sentence(result: FlownResult) -> str:
     """The verdict in a sentence: each limited figure, the lines that meet it and those that do not."""
+    parts = _figures(result)
+    if not parts:
+        return f"{result.verdict.capitalize()}: {result.reason}."
+    return f"{result.verdict.capitalize()} ({MEANINGS[result.relation]}). {'; '.join(parts)}."
+
+
+def answer(result: FlownResult) -> Answer:
+    """The same as an answer: the verdict as its word, and a sentence of each limited figure."""
+    sign, tone = _SIGNS.get(result.verdict, ("", "open"))
+    parts = _figures(result) or [result.reason]
+    taken = f"{MEANINGS[result.relation]}, as the files tell" if result.guessed else MEANINGS[result.relation]
+    return Answer(
+        f"{sign}{result.verdict.capitalize()}", tone, tuple(f"{one[:1].upper()}{one[1:]}." for one in (*parts, taken))
+    )
+
+
+def _figures(result: FlownResult) -> list[str]:
+    """Each limited figure, its limit, and its states by line; none where no difference shows any."""
     lines = [line for line in result.lines if line.name != ALL] or list(result.lines)
     figures = dict.fromkeys(name for line in lines for name, one in line.figures.items() if one.limit is not None)
-    if not figures or result.compared is None:
-        return f"{result.verdict.capitalize()}: {result.reason}."
+    if result.compared is None:
+        return []
     parts = []
     for name in figures:
         # What one line is too short to tell, all together may.
-        of_all = [line for line in result.lines if line.name == ALL and FEW not in line.figures[name].reason]
+        of_all = [
+            line
+            for line in result.lines
+            if line.name == ALL and name in line.figures and FEW not in line.figures[name].reason
+        ]
         short = of_all and all(FEW in line.figures[name].reason for line in lines if name in line.figures)
         by_state = {
             state: [
@@ -40,7 +64,7 @@ def sentence(result: FlownResult) -> str:
         level = " to ".join(value_of(name, limit) for limit in sorted({min(limits), max(limits)}))
         told = [_of_state(name, state, there) for state, there in by_state.items() if there]
         parts.append(f"{figure_in_sentence(name)} of {level}: {', '.join(told)}")
-    return f"{result.verdict.capitalize()} ({MEANINGS[result.relation]}). {'; '.join(parts)}."
+    return parts
 
 
 def _of_state(name: str, state: str, lines: Sequence[FlownLine]) -> str:

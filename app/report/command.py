@@ -9,7 +9,7 @@ from app.console.arguments import design_arguments, paths_of, read_design
 from app.console.files import whole_file
 from app.console.flight import flown_arguments, flown_budget
 from app.report import SPREADSHEET, document_bytes, kind_of, report_bytes
-from app.subjects import STUDIES
+from app.subjects import OF_DESIGNS
 from nav_model.base.errors import InputError
 
 
@@ -21,7 +21,7 @@ def add_to(commands: Any) -> None:
     add = report.add_argument
     add("-o", "--output", required=True, type=Path, metavar="FILE", help="FILE.html, FILE.pdf or FILE.xlsx")
     add("--with", dest="studies", default="", metavar="STUDY,...",
-        help=f"studies to run and add to each design's chapter: {', '.join(STUDIES)}")  # fmt: skip
+        help=f"studies to run and add to each design's chapter: {', '.join(OF_DESIGNS)}")  # fmt: skip
     add("--show", default="", metavar="HOW",
         help="figures of the budget: 1s (1σ), 2s, 95 or cep, else as required; 95.si in SI")  # fmt: skip
     add("--supplier", choices=("imu", "gnss"), help="write the one-page sheet for a supplier of the unit instead")
@@ -66,7 +66,7 @@ def _report(options: argparse.Namespace) -> int:
         else:
             studies = []
             for design, label in zip(designs, design_labels(len(designs)), strict=True):
-                findings = {key: STUDIES[key].load("report").study(design, options) for key in wanted}
+                findings = {key: OF_DESIGNS[key].load("report").study(design, options) for key in wanted}
                 studies.append(study_sections(findings, design, chapter_key(label)))
             file.write(report_bytes(budgets, kind, studies=studies, display=options.show))
     print(f"wrote {options.output}", file=sys.stderr)
@@ -77,6 +77,6 @@ def _wanted(text: str) -> list[str]:
     """The keys of the studies named, in the order of the report."""
     named = [name.strip() for name in text.split(",") if name.strip()]
     for name in named:
-        if name not in STUDIES:
-            raise InputError("--with", f"{name!r} is not a study; {', '.join(STUDIES)}")
-    return [key for key in STUDIES if key in named]
+        if name not in OF_DESIGNS:
+            raise InputError("--with", f"{name!r} is not a study; {', '.join(OF_DESIGNS)}")
+    return [key for key in OF_DESIGNS if key in named]

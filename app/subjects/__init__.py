@@ -28,6 +28,8 @@ class Subject:
     ahead : str
         ``module:function`` that computes what opening the tab asks for with a design. It is awaited once per server,
         for the design that visitors start with, while the first page is at rest.
+    of_files : bool
+        True for a study of files that a person brings: it has no ``study`` and `navbudget report` runs none.
     """
 
     key: str
@@ -35,6 +37,7 @@ class Subject:
     report: str = ""
     study: str = ""
     ahead: str = ""
+    of_files: bool = False
 
     def load(self, part: str) -> Any:
         """A part of the subject, such as "report", imported: a module, or what is in it behind a colon."""
@@ -77,7 +80,7 @@ SUBJECTS: tuple[Subject, ...] = (
     Subject("budget", "command", "report"),
     Subject("simulation", "command", "report", "Simulation"),
     Subject("trajectory", "command", "report", "Trajectory", ahead="run:follow_ahead"),
-    Subject("flown", "command"),
+    Subject("flown", "command", "report", "As flown", of_files=True),
     Subject("sar", "command", "report", "SAR"),
     Subject("suborbital", "command", "report", "Suborbital flight", ahead="studies:fly_ahead"),
     Subject("explore", "command"),
@@ -93,6 +96,7 @@ TABS: tuple[Tab, ...] = (
     Tab("Close it", "Close it", "close", "explore.page:ExplorePage"),
     Tab("Flight", "Flight", "flight", "trajectory.page:TrajectoryPage"),
     Tab("Flight", "Simulate", "simulate", "simulation.page:SimulatePage"),
+    Tab("Flight", "As flown", "flown", "flown.page:FlownPage"),
     Tab("Image", "Image", "image", "sar.page:SarPage"),
     Tab("Sensors", "Sensors", "sensors", "sensors.page:SensorsPage"),
     Tab("Review", "Review", "review", "review.page:ReviewPage"),
@@ -106,7 +110,9 @@ MOVED = {"explore": "close", "trajectory": "flight", "sar": "image"}
 
 BY_KEY: dict[str, Subject] = {subject.key: subject for subject in SUBJECTS}
 STUDIES: dict[str, Subject] = {subject.key: subject for subject in SUBJECTS if subject.study}
-"""The subjects with a study to run."""
+"""The subjects with a study."""
+OF_DESIGNS: dict[str, Subject] = {key: subject for key, subject in STUDIES.items() if not subject.of_files}
+"""Those whose study a design alone can run."""
 
 
 def tab_index(address: str) -> int | None:

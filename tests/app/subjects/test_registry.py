@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import app.subjects
-from app.subjects import STUDIES, SUBJECTS, TABS, Subject, Tab, tab_index
+from app.subjects import OF_DESIGNS, STUDIES, SUBJECTS, TABS, Subject, Tab, tab_index
 
 
 @pytest.mark.parametrize("subject", SUBJECTS, ids=lambda subject: subject.key)
@@ -21,14 +21,20 @@ def test_what_a_subject_names_is_there(subject: Subject) -> None:
     if subject.ahead:
         assert asyncio.iscoroutinefunction(subject.load("ahead"))
     if subject.report:
-        named = ("sections", "another_design", "study") if subject.study else ("sections",)
+        named = ("sections", "another_design", "study") if subject.key in OF_DESIGNS else ("sections",)
         assert all(callable(getattr(subject.load("report"), name)) for name in named)
 
 
 def test_every_room_is_registered_and_no_other() -> None:
     rooms = {path.parent.name for path in Path(app.subjects.__file__).parent.glob("*/__init__.py")}
     assert {subject.key for subject in SUBJECTS} == rooms
-    assert list(STUDIES) == ["simulation", "trajectory", "sar", "suborbital"]  # what `navbudget report --with` takes
+    assert list(STUDIES) == ["simulation", "trajectory", "flown", "sar", "suborbital"]
+    assert list(OF_DESIGNS) == [
+        "simulation",
+        "trajectory",
+        "sar",
+        "suborbital",
+    ]  # what `navbudget report --with` takes
 
 
 @pytest.mark.parametrize("tab", TABS, ids=lambda tab: tab.address)

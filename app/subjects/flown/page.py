@@ -1,0 +1,267 @@
+"""The page As flown: the solution of a real flight against the budget of the design."""
+
+import asyncio
+import importlib
+import json
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+import param
+
+from app.charts.kinds import Chart
+from app.charts.legend import key_html
+from app.charts.screen.timelines import Timelines
+from app.declared import chosen
+from app.document.blocks import Answer
+from app.document.flown import answer
+from app.document.pane import html_of
+from app.session import Session
+from app.subjects.flown.charts import IN_APERTURES, map_chart, receiver_chart, timelines
+from app.subjects.flown.run import FlownFlight, hold
+from app.subjects.flown.tables import as_csv, flight_blocks, jump_block, main_figure, place_blocks, receiver_block
+from app.ui.chart_pane import described, head_html
+from app.ui.downloads import download
+from app.ui.first_screen import first_screen
+from app.ui.folded import Folded
+from app.ui.html_pane import html_pane
+from app.ui.run_bar import RunBar
+from app.ui.study_page import StudyPage
+from app.ui.theme import NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
+from app.ui.upload import UploadedFile, upload
+from app.work.cancellable import run_alone
+from app.work.flight import File
+from app.work.run import Run
+from nav_model.base.errors import InputError
+from nav_model.design.figures import FIGURES
+
+_UPLOAD = 150_000_000  # bytes
+_KINDS = ".csv,.txt,.tsv,.dat,.log,.out,.pos,.sbet,.smrmsg,.ulg,.asc,.gps,.nmea"
+_RELATIONS = {
+    "As the files tell": "",
+    "Smoothed, same data": "smoothed",
+    "Reverse pass": "reverse",
+    "Independent": "independent",
+}
+_SOLUTIONS = {"As the file tells": "", "Real time": "real-time", "Post-processed": "post-processed"}
+_LAGS = {"Remove": True, "Keep": False}
+_HEIGHT = "max(100dvh - 104px, 612px)"  # room for four charts above each other
+_LOOK: dict[str, Any] = {"margin": (6, 4, 2, 4), "size": "small"}
+_KEY = {"solid": "flown", "dotted": "budget", "dashed": "claimed by the file", "limit": "limit"}
+_COMING = '<span class="quiet fine">Appears with the first result.</span>'
+
+
+class SolutionFiles:
+    """The file of a solution, and the accuracies that belong to it where they have a file of their own."""
+
+    def __init__(self) -> None:
+        self._solution, self._accuracies = UploadedFile(), UploadedFile()
+        self.files: tuple[File, ...] = ()
+
+    async def take(self, name: str, content: bytes) -> None:
+        """Keep a file: accuracies are added to the solution that is there, another file takes the place of both.
+
+        Raises
+        ------
+        InputError
+            Where accuracies have no solution yet, or the disk takes no more.
+        """
+        from nav_model.trajectory.files.sbet import name_of
+
+        if name_of(content) != "smrmsg":
+            self.files = (File(name, await self._solution.put(content)),)
+        elif not self.files:
+            raise InputError(name, "is smrmsg, the accuracies of an SBET file. Choose the SBET file first")
+        else:
+            self.files = (self.files[0], File(name, await self._accuracies.put(content)))
+
+    @property
+    def names(self) -> str:
+        """The names of the files."""
+        return " with ".join(file.name for file in self.files)
+
+
+class FlownPage(StudyPage[FlownFlight]):
+    """Everything below the tab."""
+
+    kind = "flown"
+    moving = ("files", "relation", "processing", "lag")
+    outdated = "Computed before the change of {moved}. Press Start again."
+    waiting = Answer(
+        "No flight yet",
+        "open",
+        (
+            "Choose the solution of a flight and a second one as its reference, then press Start. An SBET takes its "
+            "smrmsg by the same button.",
+        ),
+    )
+    files = param.String(label="Files", doc="The names of what was chosen.")
+    relation = chosen("", _RELATIONS, "Relation")
+    processing = chosen("", _SOLUTIONS, "The solution is")
+    lag = chosen(True, _LAGS, "Lag of the clocks")
+    figure = chosen("", {"What decides": "", **{FIGURES[name].label: name for name in IN_APERTURES}}, "By aperture")
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._solution, self._reference = SolutionFiles(), SolutionFiles()
+        self._bar = RunBar(self.run, self.begin, "Start", *self._fields(), strip=True)
+        self._stack: Timelines | None = None  # made with the first result
+        self._head = html_pane("", margin=(6, 10, 0, 10))
+        self._curves = pn.Column(
+            self._head, sizing_mode="stretch_both", min_height=430, stylesheets=[STACK_ON_A_PHONE]
+        )
+        of_flight = self._of_result
+        table = of_flight.text(lambda flight: html_of(*flight_blocks(flight)))
+        whole: dict[str, Any] = {"sizing_mode": "stretch_both", "stylesheets": [NARROW]}
+        lines = pn.Column(table, styles={"overflow": "auto"}, **whole)
+        above = of_flight.later(lambda: of_flight.chart(map_chart), **whole)
+        self._view = pn.Column(
+            self._strip,
+            first_screen(self._bar, left=[self._curves], right=[lines, above], height=_HEIGHT),
+            Folded(
+                (
+                    ("Time and place", lambda: of_flight.text(lambda flight: html_of(*place_blocks(flight)))),
+                    ("Jumps", lambda: of_flight.text(lambda flight: html_of(jump_block(flight)))),
+                    ("The receiver", self._receiver),
+                    ("Exports", lambda: of_flight.later(self._exports)),
+                )
+            ),
+        )
+        self._open()
+
+    # --- the parts ------------------------------------------------------------------------------------
+
+    def _fields(self) -> tuple[Any, ...]:
+        choices, running = self.param, self.run.param.running
+
+        def button(label: str, to: SolutionFiles) -> Any:
+            async def taken(name: str, content: bytes) -> None:
+                await self._take(to, name, content)
+
+            return upload(label, _KINDS, _UPLOAD, taken, self._refuse, disabled=running, **_LOOK)
+
+        return (
+            button("Solution", self._solution),
+            button("Reference", self._reference),
+            pmui.Select.from_param(choices.relation, width=175, **_LOOK),
+            pmui.Select.from_param(choices.processing, width=150, **_LOOK),
+            pmui.Select.from_param(choices.lag, width=115, **_LOOK),
+            pmui.Select.from_param(choices.figure, width=160, **_LOOK),
+        )
+
+    def _receiver(self) -> pn.Column:
+        """The receiver as it was seen, and the button that takes it into the design."""
+        of_flight = self._of_result
+        use = pmui.Button(label="Use these in the design", variant="contained", margin=(4, 10, 8, 10), disabled=True)
+        use.on_click(lambda _: self._adopt())
+
+        def follow(flight: FlownFlight) -> None:
+            use.disabled = not self._changes(flight)
+
+        chart = pn.Column()
+
+        def draw(flight: FlownFlight) -> None:
+            if not chart.objects and flight.result.receiver.get("lags_s"):
+                chart.append(of_flight.chart(receiver_chart, 280))
+
+        of_flight.add(follow)
+        told = of_flight.text(lambda flight: html_of(receiver_block(flight)))
+        of_flight.add(draw)
+        return pn.Column(told, use, chart)
+
+    def _changes(self, flight: FlownFlight) -> bool:
+        from nav_model.flown.noise_fit import adopt_receiver
+
+        return bool(adopt_receiver(flight.result.receiver, flight.name).changes)
+
+    def _adopt(self) -> None:
+        """Take the receiver's noise into the design."""
+        from nav_model.flown.noise_fit import adopt_receiver
+
+        flight = self._of_result.known()
+        adoption = adopt_receiver(flight.result.receiver, flight.name)
+        problem = self._session.change(adoption.changes, adoption.written, adoption.origins)
+        if problem is not None:
+            self._refuse(problem)
+        else:
+            self._say(f"The receiver of {flight.name} is in the design.")
+
+    def _exports(self) -> pn.FlexBox:
+        known = self._of_result.known
+        return pn.FlexBox(
+            download("Everything (JSON)", "flown.json", lambda: json.dumps(dict(known().data), allow_nan=False)),
+            download("Figures (CSV)", "flown.csv", lambda: as_csv(known())),
+            stylesheets=[PRINT_NOTHING],
+        )
+
+    @property
+    def _shown(self) -> str:
+        return self.figure or main_figure(self._of_result.known())
+
+    @param.depends("figure", watch=True)
+    def _redraw(self) -> None:
+        with pn.io.hold():
+            self._write()
+
+    @param.depends("relation", "processing", "lag", "files", watch=True)
+    def _chosen(self) -> None:
+        self.show_verdict(None)
+
+    def _write(self) -> None:
+        super()._write()
+        result = self._result
+        if result is None:
+            self._head.say(head_html("Along the flight", self.coming, _COMING))
+            return
+        charts = timelines(result, self._shown)
+        if self._stack is None:
+            self._make_stack(charts)
+        else:
+            self._stack.feed(charts)
+        description, knowledge = "".join(map(described, charts)), " ".join(chart.knowledge for chart in charts[:2])
+        self._head.say(head_html("Along the flight", knowledge, description, key_html(**_KEY)))
+        self._of_result.follow()
+
+    def _make_stack(self, charts: tuple[Chart, ...]) -> None:
+        """Make the figures, all on one time axis."""
+        self._stack = Timelines(charts)
+        figures = [pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots]
+        for figure, share in zip(figures, ("1", "1", "1", "1.5"), strict=True):  # the last has the axis
+            figure.styles = {"flex": f"{share} 1 0"}
+        self._curves.extend(figures)
+
+    def _verdict(self, result: FlownFlight) -> Answer:
+        return answer(result.result)
+
+    # --- the run --------------------------------------------------------------------------------------
+
+    async def _take(self, to: SolutionFiles, name: str, content: bytes) -> None:
+        """Keep an uploaded file for the next run."""
+        try:
+            await asyncio.to_thread(importlib.import_module, "nav_model.trajectory.files.sbet")
+            await to.take(name, content)
+        except InputError as error:
+            self._refuse(error)
+            return
+        both = [f"Solution {self._solution.names}" if self._solution.files else ""]
+        both += [f"reference {self._reference.names}" if self._reference.files else ""]
+        self.files = "; ".join(filter(None, both))
+        self._say(f"{self.files}. Press Start." if self._solution.files else f"{self.files}. Choose a solution.")
+
+    @property
+    def _key(self) -> tuple[str, ...] | None:
+        return None  # of files, which have no name in a cache
+
+    def _begin_by_itself(self) -> None:
+        """A flight is for a person to bring."""
+
+    async def _study(self, run: Run) -> FlownFlight:
+        if not self._solution.files:
+            raise InputError("Solution", "choose the file of a solution first")
+        await asyncio.to_thread(importlib.import_module, "nav_model.flown.study")  # its result is made here too
+        flight: FlownFlight = await run_alone(
+            hold, self._session.design, self._solution.files, self._reference.files, self.relation, self.processing,
+            self.lag, progress=lambda share, what: run.tell(what, share or None),
+        )  # fmt: skip
+        self._say(f"{self.files}.")
+        return flight

@@ -1,0 +1,196 @@
+"""The page As flown without a browser: files, refusals, figures against numpy, and the receiver into the design."""
+
+import json
+import math
+import pickle
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pages import at_once, when_done
+
+import app.subjects.flown.page as flown_page
+from app.document.flown import sentence
+from app.report.studies import study_sections
+from app.session import Session
+from app.subjects.flown.charts import map_chart, timelines
+from app.subjects.flown.page import FlownPage, SolutionFiles
+from app.subjects.flown.run import hold
+from app.subjects.flown.tables import as_csv, flight_blocks, jump_block, main_figure
+from app.ui.upload import UploadedFile
+from app.work.flight import File
+from nav_model.base.errors import InputError
+from nav_model.design import Design
+from nav_model.design.file import parse_design
+
+pytestmark = pytest.mark.long
+DESIGN = """
+[gnss]
+position_noise = "1 m"
+[requirements]
+confidence = 1.0
+horizontal_position = "2 m"
+"""
+SIGMA = 0.5  # m, of the fixes that are made
+COUNT = 600
+
+
+def error_of_fixes() -> np.ndarray:
+    return SIGMA * np.random.default_rng(4).standard_normal((COUNT, 3))
+
+
+def table(time: np.ndarray, error: np.ndarray) -> bytes:
+    """A flight northwards at 60 m/s with a weave that no lag repeats, as a table of places with these errors [m]."""
+    north, east = 60.0 * time + error[:, 0], 400.0 * np.sin((time / 150.0) ** 2) + error[:, 1]
+    latitude = 47.0 + north / 111_170.0
+    longitude = 8.0 + east / (111_320.0 * math.cos(math.radians(47.0)))
+    rows = zip(time, latitude, longitude, 1000.0 - error[:, 2], strict=True)
+    lines = ["time [s],latitude [deg],longitude [deg],height [m]"]
+    return "\n".join([*lines, *(f"{t:.2f},{a:.10f},{o:.10f},{h:.5f}" for t, a, o, h in rows)]).encode()
+
+
+FIXES = table(np.arange(COUNT, dtype=float), error_of_fixes())
+REFERENCE = table(np.arange(0.0, COUNT - 1, 0.5), np.zeros((2 * COUNT - 2, 3)))
+
+
+@pytest.fixture(autouse=True)
+def _nothing_stays_on_the_disk(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    made: list[UploadedFile] = []
+
+    def noted() -> UploadedFile:
+        made.append(UploadedFile())
+        return made[-1]
+
+    monkeypatch.setattr(flown_page, "UploadedFile", noted)
+    yield
+    for file in made:
+        file.delete()
+
+
+@pytest.fixture
+def session(monkeypatch: pytest.MonkeyPatch, nothing_kept: None) -> Session:
+    monkeypatch.setattr(flown_page, "run_alone", at_once)
+    return Session(parse_design(DESIGN))
+
+
+@pytest.fixture(scope="module")
+def design() -> Design:
+    return parse_design(DESIGN)
+
+
+def files(folder: Path, **contents: bytes) -> dict[str, tuple[File]]:
+    for name, content in contents.items():
+        (folder / name).write_bytes(content)
+    return {name: (File(f"{name}.csv", folder / name),) for name in contents}
+
+
+def after(page: FlownPage, do: Any) -> str:
+    when_done(do, page.run)
+    return str(page._strip._text.object)
+
+
+def brought(page: FlownPage) -> FlownPage:
+    when_done(lambda: page._take(page._solution, "fixes.csv", FIXES))
+    when_done(lambda: page._take(page._reference, "truth.csv", REFERENCE))
+    return page
+
+
+def test_the_page_waits_for_files_and_says_what_is_missing(session: Session) -> None:
+    page = FlownPage(session)
+    assert "No flight yet" in str(page._strip._text.object)
+    text = after(page, page.begin)
+    assert "Not run" in text
+    assert "choose the file of a solution first" in text
+
+
+def test_a_flight_is_held_against_the_budget_as_numpy_does(session: Session) -> None:
+    page = brought(FlownPage(session))
+    assert page._bar.message == "Solution fixes.csv; reference truth.csv. Press Start."
+    text = after(page, page.begin)
+    result = page.run.result
+    error = error_of_fixes()[:, :2]
+    (line,) = [line for line in result.result.lines if line.name != "all lines"][:1]
+    on = (np.arange(COUNT) >= line.start_s) & (np.arange(COUNT) <= line.stop_s)
+    rms = math.sqrt(float(np.mean(error[on] ** 2, axis=0).max()))
+    assert line.figures["horizontal_position"].flown == pytest.approx(rms, rel=0.02)
+    assert f"{sentence(result.result).partition(' (')[0]}</h2>" in text
+    assert "Horizontal position of 2 m: met" in text.replace("\u00a0", " ")
+    assert session.findings["flown"] is result
+    shown = "".join(str(block) for block in flight_blocks(result))
+    assert "Horizontal position" in shown
+    _, north, *_ = timelines(result, main_figure(result))
+    drawn = north.lines[0].y[np.isfinite(north.lines[0].y)]
+    assert np.std(drawn) == pytest.approx(SIGMA, rel=0.1)
+    assert json.loads(json.dumps(result.data))["lines"][0]["name"] == line.name
+    assert as_csv(result).count("horizontal_position") == len(result.result.lines)
+
+
+def test_a_refused_file_keeps_the_last_good_result(session: Session) -> None:
+    page = brought(FlownPage(session))
+    after(page, page.begin)
+    good = page.run.result
+    when_done(lambda: page._take(page._solution, "photo.csv", b"\x89PNG\r\n\x1a\n\xff\xfe"))
+    text = after(page, page.begin)
+    assert page.run.result is good
+    assert "photo.csv" in text
+    assert "The charts show the previous result" in text
+    when_done(lambda: page._take(page._solution, "fixes.csv", FIXES))
+    after(page, page.begin)
+    page.relation = "reverse"
+    assert "Computed before the change of relation. Press Start again." in str(page._strip._text.object)
+
+
+def test_the_receiver_goes_into_the_design_with_its_origin(session: Session) -> None:
+    page = brought(FlownPage(session))
+    after(page, page.begin)
+    part = page._receiver()
+    told, use, _ = part
+    assert "White noise, horizontal" in told.object
+    assert not use.disabled
+    page._adopt()
+    page.show(session.budget)  # as the frame does
+    assert session.design.gnss.position_noise == pytest.approx(SIGMA, rel=0.06)
+    assert session.design.origins["gnss.position_noise"].startswith("from the fixes of fixes.csv, ")
+    assert "Press Start again" in str(page._strip._text.object)
+
+
+def test_without_a_second_solution_there_are_claims_alone(design: Design, tmp_path: Path) -> None:
+    flight = hold(design, files(tmp_path, fixes=FIXES)["fixes"])
+    assert flight.result.verdict == "cannot be told"
+    assert "no second solution" in sentence(flight.result)
+    assert "claims no accuracy" in str(flight_blocks(flight))
+    assert "second solution" in str(jump_block(flight))
+    assert np.isnan(timelines(flight, main_figure(flight))[1].lines[0].y).all()
+
+
+def test_what_goes_to_the_page_is_small_and_a_report_has_it(design: Design, tmp_path: Path) -> None:
+    time = np.arange(0.0, 400.0, 0.02)
+    fine = table(time, np.zeros((len(time), 3)))
+    given = files(tmp_path, fixes=FIXES, fine=fine)
+    flight = hold(design, given["fine"], given["fixes"], relation="independent")
+    assert len(flight.result.solution.time_s) <= 2000 < len(time)
+    assert flight.data["solution"]["rate_hz"] == pytest.approx(50.0)  # of the whole
+    assert len(pickle.dumps(flight)) < 3_000_000
+    assert len(map_chart(flight).lines[0].x) == len(flight.result.solution.time_s)
+    sections = study_sections({"flown": flight}, design, "a")
+    assert [section.title.partition(":")[0] for section in sections] == ["As flown", "As flown"]
+    (left_out,) = study_sections({"flown": flight}, design.replace({"gnss.position_noise": 2.0}), "a")
+    assert "another design" in str(left_out)
+
+
+def test_an_sbet_takes_its_accuracies_by_the_same_button() -> None:
+    both = SolutionFiles()
+    sbet = b"".join(
+        struct.pack("<17d", t / 200.0, 0.8 + t * 1e-8, 0.2, 500.0, 60.0, *([0.0] * 12)) for t in range(2000)
+    )
+    accuracies = b"".join(struct.pack("<10d", float(t), *([0.02] * 9)) for t in range(10))
+    with pytest.raises(InputError, match="Choose the SBET file first"):
+        when_done(lambda: both.take("smrmsg.out", accuracies))
+    when_done(lambda: both.take("sbet.out", sbet))
+    when_done(lambda: both.take("smrmsg.out", accuracies))
+    assert both.names == "sbet.out with smrmsg.out"
+    when_done(lambda: both.take("sbet.out", sbet))
+    assert both.names == "sbet.out"
