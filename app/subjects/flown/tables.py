@@ -54,8 +54,8 @@ def line_table(flight: FlownFlight, key: str = "flown") -> TableBlock:
         ]
     return table(
         f"{key}-lines",
-        f"Figures by line, at {flight.design.requirements.confidence:g}σ",
-        ("Figure", "Verdict", *numbers("Limit", "Flown, 95 % band", "Budget", "Freedom")),
+        f"Figures by line, at {flight.design.requirements.confidence:g}σ, with their 95 % bands",
+        ("Quantity", "Verdict", *numbers("Limit", "Flown", "Budget", "Freedom")),
         rows,
         "Consistent: the budget lies in the band, else how many times it was flown, of navigation alone. Freedom: "
         "degrees of freedom of the mean square (Satterthwaite 1946), which give the band. Times are from "
@@ -95,7 +95,7 @@ def claims_table(flight: FlownFlight, key: str = "flown") -> TableBlock:
     return table(
         f"{key}-claims",
         f"Claimed by the file, at {flight.design.requirements.confidence:g}σ",
-        ("Figure", *numbers("Claimed", "Budget", "Limit"), "Says"),
+        ("Quantity", *numbers("Claimed", "Budget", "Limit"), "Says"),
         rows,
         "A claim is no error: it gives no verdict.",
     )
