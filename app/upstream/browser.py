@@ -4,7 +4,7 @@ from pathlib import Path
 
 from app.upstream.plain_script import PlainScript
 
-_SCRIPTS = ("paints", "layouts", "select_keys", "back_button")
+_SCRIPTS = ("layouts", "select_keys", "back_button")
 
 
 def _script(name: str) -> str:

@@ -25,29 +25,6 @@ _PASSES = """() => {
   const hidden = (view) => (view.layoutable_views ?? []).some((child) => !child.model.visible || hidden(child))
   return [passes, Bokeh.index.roots.some(hidden)]
 }"""
-_REWRITE = """() => {
-  const { InlineStyleSheet } = Bokeh.require("core/dom"), sheet = new InlineStyleSheet(":host { color: red; }")
-  const written = sheet.el.firstChild
-  sheet.replace(":host { color: red; }")
-  return sheet.el.firstChild !== written
-}"""
-_ASKED = """() => {
-  const figures = (view) => [...(view.model.type === "Figure" ? [view] : []),
-    ...[...(view.child_views ?? [])].flatMap(figures)]
-  const ask = window.getComputedStyle
-  const { VisualProperties } = Bokeh.require("core/visuals/visual")
-  const shipped = VisualProperties.prototype._get_css_value
-  return [shipped, () => ""].map((look) => {
-    let asked = 0
-    VisualProperties.prototype._get_css_value = look
-    window.getComputedStyle = (...what) => { asked++; return ask(...what) }
-    for (const view of Bokeh.index.roots.flatMap(figures)) { view._invalidate_all = true; view.paint() }
-    window.getComputedStyle = ask
-    VisualProperties.prototype._get_css_value = shipped
-    return asked
-  })
-}"""
-
 _SWALLOWED = """() => {
   const figures = (view) => [...(view.model.type === "Figure" ? [view] : []),
     ...[...(view.child_views ?? [])].flatMap(figures)]
@@ -119,12 +96,6 @@ def test_a_choice_does_not_open_by_keyboard(shipped: Page) -> None:
         shipped.keyboard.press(key)
         shipped.evaluate(_TWO_FRAMES)
         assert choice.get_attribute("aria-expanded") == "false"
-
-
-def test_a_sheet_is_written_again_with_the_same_text_and_a_paint_asks_for_computed_styles(shipped: Page) -> None:
-    assert shipped.evaluate(_REWRITE)
-    as_shipped, without = shipped.evaluate(_ASKED)
-    assert as_shipped > 2 * without > 0
 
 
 def test_models_that_the_server_adds_come_back_whole(shipped: Page) -> None:

@@ -29,27 +29,6 @@ _COUNT_PASSES = """() => new Promise((done) => {
   requestAnimationFrame(() => requestAnimationFrame(() => { delete root.measure_layout; done(passes) }))
 })"""
 
-# How often a paint of all figures writes a sheet or asks for computed styles; whether a changed sheet is written.
-_REPAINT = """() => {
-  const { InlineStyleSheet } = Bokeh.require("core/dom"), sheet = new InlineStyleSheet(":host { color: red; }")
-  sheet.replace(":host { color: blue; }")
-  const figures = (view) => [...(view.model.type === "Figure" && view.el.offsetParent ? [view] : []),
-    ...(view.child_views ?? []).flatMap(figures)]
-  const all = Bokeh.index.roots.flatMap(figures)
-  const repaint = () => { for (const view of all) { view._invalidate_all = true; view.paint() } }
-  repaint()  // what the window's last change of size left to do
-  const ask = window.getComputedStyle, text = Object.getOwnPropertyDescriptor(Node.prototype, "textContent")
-  let written = 0, asked = 0
-  window.getComputedStyle = (...what) => { asked++; return ask(...what) }
-  Object.defineProperty(HTMLStyleElement.prototype, "textContent",
-    { configurable: true, get: text.get, set(css) { written++; text.set.call(this, css) } })
-  repaint()
-  window.getComputedStyle = ask
-  delete HTMLStyleElement.prototype.textContent
-  const per = (count) => count / all.length
-  return { figures: all.length, written: per(written), asked: per(asked), changed: sheet.css }
-}"""
-
 # Parts of one column, row or grid that cover each other by more than a line's breadth; what hangs out of its own box
 # counts as part of it.
 _OVERLAPS = """() => {
@@ -128,15 +107,6 @@ def test_no_part_of_a_page_is_drawn_over_another(
 def test_fifty_wishes_in_one_frame_are_one_pass(plain: Page, settled: Callable[[Page], None]) -> None:
     settled(plain)
     assert 1 <= plain.evaluate(_COUNT_PASSES) <= 2
-
-
-def test_a_repaint_works_out_no_styles(plain: Page, settled: Callable[[Page], None]) -> None:
-    settled(plain)
-    result = plain.evaluate(_REPAINT)
-    assert result["figures"] >= 2
-    assert result["written"] == 0
-    assert result["asked"] < 60  # for a figure; 258 as shipped, and 26 sheets written
-    assert result["changed"] == ":host { color: blue; }"
 
 
 @pytest.mark.slow
