@@ -41,6 +41,7 @@ from app.subjects import SUBJECTS, TABS
 from app.ui.defaults import set_defaults
 from app.ui.remembered import DISPLAY_COOKIE, recalled
 from app.upstream.connection import keep_first_changes, send_in_order, write_once
+from app.upstream.fonts import load_fonts_by_need
 from app.upstream.late_session import page_of, sheets_from_here, visitor
 from app.upstream.rendering import check_given_values
 from app.upstream.requests import ask_first, listen_on, read_any_address, stop_accepting, trust_proxies_only
@@ -144,6 +145,7 @@ def serve_on(
     read_any_address()
     check_given_values()
     expect_known_models()
+    load_fonts_by_need()
     trust_proxies_only()
     for name in COMPONENTS:
         import_module(name)

@@ -131,6 +131,7 @@ export function render({ model }) {
     const { box } = row
     if (row.kind === "switch") put(box, "checked", text === "true")
     else put(box, "value", text)
+    row.line.classList.toggle("long", row.kind === "text" && text.length > 14)
     if (row.kind !== "choice") return
     // An entry that was edited has another name; a list as long as this is not made anew at each change.
     for (const [index, [value, label]] of row.options.entries()) {

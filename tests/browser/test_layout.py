@@ -104,6 +104,14 @@ def test_no_part_of_a_page_is_drawn_over_another(
         until(lambda: not page.evaluate(_OVERLAPS), f"{name} with nothing drawn over anything else")
 
 
+def test_only_fonts_of_characters_on_the_page_are_loaded(plain: Page, settled: Callable[[Page], None]) -> None:
+    settled(plain)
+    loaded = plain.evaluate("""() => [...document.fonts].filter(({ family, status }) => /Roboto/.test(family)
+      && status === "loaded").map(({ unicodeRange }) => unicodeRange)""")
+    assert loaded
+    assert not [ranges for ranges in loaded if "U+400" in ranges or "U+0-10FFFF" in ranges]  # no Cyrillic
+
+
 def test_fifty_wishes_in_one_frame_are_one_pass(plain: Page, settled: Callable[[Page], None]) -> None:
     settled(plain)
     assert 1 <= plain.evaluate(_COUNT_PASSES) <= 2
