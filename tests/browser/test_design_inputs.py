@@ -222,3 +222,11 @@ def test_an_impossible_aperture_is_refused_at_its_field(desk: Page) -> None:
     expect(desk.get_by_text(re.compile("needs an aperture of")).first).to_be_visible()
     enter(box(desk, "Slant range"), "7 km")
     expect(card(desk, "Quadratic phase")).to_have_text(before)
+
+
+def test_a_long_value_is_whole_in_its_box(desk: Page) -> None:
+    """As an accuracy that grows with the baseline, which a receiver class fills in."""
+    desk.get_by_role("combobox", name="Receiver class", exact=True).select_option("RTK")
+    noise = box(desk, "Position noise")
+    expect(noise).to_have_value("8 mm + 1 ppm DRMS")
+    assert noise.evaluate("e => e.scrollWidth <= e.clientWidth")
