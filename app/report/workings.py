@@ -279,7 +279,7 @@ class Traces:
             if name in (*REQUIRED, *PARTS_OF_PHASES):
                 self._figure(name, model.value(name))
         for name in LEVELS:
-            self._figure(name, self.plain.value(name), taken=bool(x.fast))
+            self._figure(name, self.plain.value(name), taken=bool(x.fast) or x.estimation is not None)
 
     def _both(self, symbol: str, label: str, pair: tuple[Bend, Bend], unit: str) -> tuple[Bend, Bend]:
         """Covariances of a horizontal axis and of the vertical, or their weights, every element in a cell."""

@@ -161,7 +161,9 @@ def not_flown(design: Design) -> tuple[str, ...]:
     return (f"The runs leave out the design's {', '.join(uncounted)}; the Budget page includes them [P-8].",)
 
 
-def levels(effects: Iterable[Fast], to_phase: Array, aperture: Array, window: str) -> dict[str, Array]:
+def levels(
+    effects: Iterable[Fast], to_phase: Array, aperture: Array, window: str, estimated: Array | float = 0.0
+) -> dict[str, Array]:
     """Amplitudes over a target's, by figure: the highest paired echo, and the root of the scattered energy.
 
     Parameters
@@ -174,9 +176,11 @@ def levels(effects: Iterable[Fast], to_phase: Array, aperture: Array, window: st
         Seconds.
     window : str
         Weighting.
+    estimated : array or float
+        Variance of the phase [rad²] that an autofocus scatters by its error of estimation.
     """
     sources, lobe = tuple(effects), ideal_null_cells(window)
-    exponent = paired_echo.scatter_exponent(sources, to_phase, aperture, lobe)
+    exponent = estimated + paired_echo.scatter_exponent(sources, to_phase, aperture, lobe)
     return {
         "paired_echo": paired_echo.highest_echo(sources, to_phase, aperture, lobe),
         "islr": paired_echo.scattered_ratio(exponent),

@@ -132,6 +132,14 @@ class Inputs:
     half_cell: Array | None = None
 
     @property
+    def scattered_by_estimation(self) -> Array | float:
+        """Variance of the phase [rad²] that an autofocus adds beyond a cubic, which smears no main lobe. [S-10]"""
+        if self.estimation is None or self.estimated is None:
+            return 0.0
+        quadratic, cubic, detrended = self.estimated
+        return np.asarray(self.estimation**2 * max(detrended - 4 / 45 * quadratic - 4 / 175 * cubic, 0.0))
+
+    @property
     def bias(self) -> Array:
         """Accelerometer bias with that of vibration, m/s². [P-12]"""
         return self.bias_a if self.rectified is None else np.sqrt(self.bias_a**2 + self.rectified**2)

@@ -272,7 +272,7 @@ class RealTime(FilterFigures):
     @cached_property
     def _levels(self) -> dict[str, Array]:
         x = self.x
-        return levels(x.fast.values(), x.to_phase, x.aperture, x.window)
+        return levels(x.fast.values(), x.to_phase, x.aperture, x.window, x.scattered_by_estimation)
 
     paired_echo = property(lambda self: self._levels["paired_echo"])
     islr = property(lambda self: self._levels["islr"])

@@ -191,13 +191,14 @@ class Budget(Mapping[tuple[str, str], Composed]):
 
         Both come from its formula, evaluated once with every source stepped (`nav_model.budget.shares`). Three kinds
         differ. A measure of the impulse response is read from a phase with its contributors, and has its shares. A
-        level without fast errors has no source. The settled filter in real time is checked at a moment of its cycle,
-        with the shares of its average over the cycle.
+        level without fast errors or an autofocus that scatters has no source. The settled filter in real time is
+        checked at a moment of its cycle, with the shares of its average over the cycle.
         """
         figure, model = FIGURES[name], self.models[processing]
         if figure.follows:
             return float(model.value(name)), self.composed(figure.follows, processing).shares
-        if figure.kind == "level" and not self.x.fast:
+        estimated = name == "islr" and bool(self.x.scattered_by_estimation)
+        if figure.kind == "level" and not self.x.fast and not estimated:
             return float(model.value(name)), _NO_SOURCE
         # Without a formula of its own after the flight, a figure is that of real time.
         stepped = self._stepped_models[processing if figure.smoothed_mark else REAL_TIME]

@@ -130,7 +130,10 @@ class Stepped:
         # A figure of zero, or values so far apart that rounding hides every slope: the shares are unknown.
         known = parts if np.any(parts > 0) else np.ones_like(parts)
         shares = dict(zip((*self._weighed, *self._beside), known.tolist(), strict=True))
-        return size, _normalised({source: shares[source] for source in self._fast} if name in LEVELS else shares)
+        if name in LEVELS:
+            scattering = [*self._fast, *([ESTIMATION] if name == "islr" and shares.get(ESTIMATION) else [])]
+            shares = {source: shares[source] for source in scattering}
+        return size, _normalised(shares)
 
 
 def _normalised(variances: Mapping[str, float]) -> Shares:

@@ -179,9 +179,9 @@ _DECLARED = (
         "−25 to −40 dB; −30 dB is 0.157 mm along the line of sight at X band", "0.1.0", scaled=False,
     ),
     _limited(
-        "islr", "ISLR of vibration and oscillator", "level", "level", "[P-11]", "isl",
-        "Energy outside the main lobe due to vibration, unsensed motion and oscillator, relative to the target's. "
-        "The window's own side lobes are not included [P-11].",
+        "islr", "ISLR of fast phase errors", "level", "level", "[P-11]", "isl",
+        "Energy outside the main lobe due to vibration, unsensed motion, oscillator and the error of estimation of a "
+        "phase gradient, relative to the target's. The window's own side lobes are not included [P-11].",
         "−15 to −25 dB", "0.1.0", scaled=False,
     ),
     _limited(

@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from nav_model import Design, analyse, read_design
@@ -12,6 +13,7 @@ from nav_model.budget.provenance import cautions, widest_swath
 from nav_model.design.figures import FIGURES, OF_BUDGET
 from nav_model.design.file import format_design
 from nav_model.explore.margins import ratios
+from tests.support.phase_gradient import lines_between, without_line
 
 MEMS = read_design("examples/mems_x_band.toml")
 BROUGHT = Path("/work/shared/data/brought/60_autofocus.toml")
@@ -112,3 +114,19 @@ def test_at_the_edges_of_the_widest_swath_a_sixteenth_of_a_wave_differs(mode: st
     assert width < 0.1 * slant
     assert differs == pytest.approx(math.pi / 4, rel=width / slant)
     assert any(f"{width:.3g} m on the ground" in sentence for sentence in cautions(budget))
+
+
+def test_the_error_of_estimation_scatters_what_a_transform_of_it_has() -> None:
+    """Lines between independent phases of blocks, the mean over 200 draws of the energy outside the main lobe."""
+    design = focused(autofocus__scene="farmland", radar__window="uniform")
+    figure = analyse(design).figure("islr")
+    assert figure.shares == {"autofocus estimation": 1.0}
+    assert analyse(MEMS).figure("islr").sigma < 1e-10
+    blocks, samples, rng = 32, 1024, np.random.default_rng(4)
+    sigma = analyse(design).figure("autofocus_estimation").sigma / math.sqrt(1 - 2 / blocks)
+    ratios = []
+    for _ in range(200):
+        phase = without_line(lines_between(sigma * rng.normal(size=blocks), samples))
+        image = np.abs(np.fft.fft(np.exp(1j * phase)) / samples) ** 2  # a sample a cell: the window has no side lobes
+        ratios.append(image[2:-1].sum() / image[[0, 1, -1]].sum())
+    assert figure.sigma**2 == pytest.approx(np.mean(ratios), rel=0.15)
