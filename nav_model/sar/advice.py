@@ -192,8 +192,11 @@ def advise(
     break_even = float(break_even_aperture(conditions))
     limit = _break_even_noise(conditions) if fitted else 0.0
     change = ""
-    if conditions.autofocus_order > 1 or conditions.residual is not None:
+    if conditions.autofocus_order > 1:
         change = "Autofocus removes the quadratic under every strategy, so the choice hardly matters here. "
+    elif conditions.residual is not None:
+        change = "Autofocus removes the quadratic under every strategy within its limits, so the choice among these "
+        change += "hardly matters here. "
     change += f"The quadratic fit is worthwhile for apertures longer than about {break_even:.3g} s"
     change += f"; yours is {span:.3g} s."
     if limit > 0:
