@@ -1,4 +1,4 @@
-"""Figures of a flight from the difference of two solutions, line by line, beside those of the budget. [F-1], [F-2]
+"""Figures of a flight from the difference of two solutions, line by line, beside those of the budget. [P-17], [P-18]
 
 What a difference shows of a solution's error depends on the relation: a smoothed reference takes away what it has in
 common with the solution, an independent one adds its own error. Mean squares are over time, at one sigma and of

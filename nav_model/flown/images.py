@@ -1,4 +1,4 @@
-"""Image figures of a flown line from the difference of two solutions, by apertures that slide along it. [F-2]"""
+"""Image figures of a flown line from the difference of two solutions, by apertures that slide along it. [P-18]"""
 
 import math
 from collections.abc import Mapping

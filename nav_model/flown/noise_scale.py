@@ -1,8 +1,8 @@
-"""How many times as noisy IMU and receiver were on a flight as their design, by what the difference shows. [F-3]
+"""Noise of IMU and receiver on a flight over that of their design, by what the difference shows. [P-19]
 
 A filter with given gains makes each variance of its errors a sum over sources, linear in their densities:
 
-    E d² = a² D_imu + b² D_gnss + D_rest                                                                    [F-3]
+    E d² = a² D_imu + b² D_gnss + D_rest                                                                    [P-19]
 
 of every axis of position, velocity and tilt. Weighted least squares over the axes give a and b; a mean square of nu
 degrees of freedom has the variance 2 E²/nu.
@@ -27,7 +27,7 @@ _NORMAL = 1.96
 
 @dataclass(frozen=True)
 class Factor:
-    """How many times as noisy as its design, 1 sigma to 1 sigma, with its 95 % interval."""
+    """Sigma of a noise over that of its design, with its 95 % interval."""
 
     value: float
     low_95: float

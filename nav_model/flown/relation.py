@@ -2,7 +2,7 @@
 
 A solution `x` is held against a reference `y`. Their clocks are brought together first; then a lag of x, a lever arm
 between the two points and an offset are fitted together to their difference, by least squares with the residual's own
-correlation (Newey and West 1987). What the track cannot part stays in the difference. [F-1]
+correlation (Newey and West 1987). What the track cannot part stays in the difference. [P-17]
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Covariances of sums of errors over time along a flight, and degrees of freedom. [F-2]
+"""Covariances of sums of errors over time along a flight, and degrees of freedom. [P-18]
 
 The error of a filter's output goes from a point i of the flight to a later one j by the closed-loop transition
 Ψ(j, i), a product of Φ and I - K H. With P the filter's covariance, and Λ that of what later fixes tell (Bryson and

@@ -1,4 +1,4 @@
-"""Position, velocity and attitude of a flown line from the difference of two solutions. [F-1]"""
+"""Position, velocity and attitude of a flown line from the difference of two solutions. [P-17]"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -106,7 +106,7 @@ def _beyond(
     seen: Seen, budgeted: Budgeted, scale: Scale, reference: Solution
 ) -> tuple[FloatArray, FloatArray, list[str]]:
     """Factor on the mean square of a difference that gives that of the solution's error, what is added to it, both by
-    axis (9,), and why an axis is refused. [F-1]"""
+    axis (9,), and why an axis is refused. [P-17]"""
     refused = [""] * AXES
     if budgeted.relation == "smoothed":
         # By source, an error of the solution is so much of the difference's, at the noise that the flight shows.

@@ -279,7 +279,7 @@ def _denied(relation: Relation, reference: Solution | None, lines: list[FlownLin
     condition = "the verdict stands if the reference is the smoothed answer on the same data"
     if reference is not None and reference.kind == "real-time":
         return "the relation is denied: the reference is a real-time solution too"
-    # One factor on all figures that noise of an IMU would move apart is none of noise. [F-1]
+    # One factor on all figures that noise of an IMU would move apart is none of noise. [P-17]
     logs, weights = list[float](), list[float]()
     for name in ("horizontal_position", "horizontal_velocity", "tilt"):
         known = [line.figures[name] for line in lines if name in line.figures and line.name != ALL]
