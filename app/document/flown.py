@@ -1,5 +1,6 @@
 """A flown flight in words: its verdict in a sentence."""
 
+import re
 from collections.abc import Sequence
 
 from app.document.blocks import Answer
@@ -83,9 +84,8 @@ def _band(name: str, known: Sequence[Measured]) -> str:
 
 def _names(lines: Sequence[FlownLine]) -> str:
     names = [line.name for line in lines]
-    numbers = [name.removeprefix("line ") for name in names]
-    if len(names) > 2 and all(number.isdigit() for number in numbers):
-        first, last = int(numbers[0]), int(numbers[-1])
-        if [int(number) for number in numbers] == list(range(first, last + 1)):
-            return f"lines {first} to {last}"
+    for noun, nouns in (("line ", "lines"), ("stretch ", "stretches")):
+        numbers = [int(name.removeprefix(noun)) for name in names if re.fullmatch(rf"{noun}\d+", name)]
+        if len(numbers) == len(names) > 2 and numbers == list(range(numbers[0], numbers[-1] + 1)):
+            return f"{nouns} {numbers[0]} to {numbers[-1]}"
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

@@ -35,7 +35,8 @@ _CLEARLY = 0.5  # a lag found by velocities leaves at most this of the mean squa
 _PARTED = 10.0  # times the sigma of a parameter alone: beyond, the track does not part it
 _SIGMAS = 3.0
 _OUTLIER = 6.0
-_LEAST_COMMON = 20.0  # s
+LEAST = 20.0
+"""Seconds that a flight, or what two solutions have in common, lasts at least."""
 _MOST_FITTED = 4000  # differences
 
 
@@ -83,13 +84,15 @@ def guessed(x: Solution, y: Solution | None) -> Relation:
     return "independent"
 
 
-def compare(x: Solution, y: Solution, *, remove_lag: bool = True) -> Compared:
+def compare(x: Solution, y: Solution, rate: float = 100.0, *, remove_lag: bool = True) -> Compared:
     """The difference of two solutions of one flight.
 
     Parameters
     ----------
     x, y : Solution
         The solution, and its reference.
+    rate : float, optional
+        At which they are compared at most [Hz].
     remove_lag : bool, optional
         False to leave a lag in the difference.
 
@@ -103,7 +106,7 @@ def compare(x: Solution, y: Solution, *, remove_lag: bool = True) -> Compared:
     start = _lag_of_velocities(x, y)
     lag, fit = start, None
     for _ in range(3):  # the interpolated reference moves with the lag
-        common = _difference(x, y, lag)
+        common = _difference(x, y, lag, rate)
         fit = _fit(common, lag)
         if not fit.parted or abs(fit.change) < 1e-4:
             break
@@ -111,7 +114,7 @@ def compare(x: Solution, y: Solution, *, remove_lag: bool = True) -> Compared:
     assert fit is not None
     beyond = (abs(lag) > _SIGMAS * fit.lag_sigma and fit.parted) or (start != 0.0 and abs(start) > _STEP)
     removed = remove_lag and beyond
-    common = _difference(x, y, lag if removed else 0.0)
+    common = _difference(x, y, lag if removed else 0.0, rate)
     if math.isclose(abs(lag), _LEAP, abs_tol=0.1):
         notes = (*notes, f"a lag of {lag:.1f} s is UTC beside GPS time: one of the two has the other clock")
     refit = _fit(common, lag if removed else 0.0)
@@ -172,7 +175,7 @@ def _lag_of_velocities(x: Solution, y: Solution) -> float:
     any_lag = "" in (x.clock, y.clock)
     begin, end = (x.time_s[0], x.time_s[-1])
     first, last = min(begin, y.time_s[0]), max(end, y.time_s[-1])
-    if not any_lag and (min(end, y.time_s[-1]) - max(begin, y.time_s[0])) < _LEAST_COMMON:
+    if not any_lag and (min(end, y.time_s[-1]) - max(begin, y.time_s[0])) < LEAST:
         return 0.0
     step = max(_STEP, (x.duration_s + y.duration_s) / 200_000)
     sampled = []
@@ -193,7 +196,7 @@ def _lag_of_velocities(x: Solution, y: Solution) -> float:
     )
     common = np.round(correlate(*ones, method="fft"))
     shift = (np.arange(len(product)) - (len(b) - 1)) * step + x.time_s[0] - y.time_s[0]
-    enough = common * step >= max(_LEAST_COMMON, 0.3 * min(x.duration_s, y.duration_s))
+    enough = common * step >= max(LEAST, 0.3 * min(x.duration_s, y.duration_s))
     if not any_lag:
         enough &= np.abs(shift) <= _LONGEST_LAG
     if not enough.any():
@@ -205,19 +208,18 @@ def _lag_of_velocities(x: Solution, y: Solution) -> float:
     return float(shift[best])
 
 
-def _difference(x: Solution, y: Solution, lag: float) -> dict[str, Any]:
+def _difference(x: Solution, y: Solution, lag: float, rate: float) -> dict[str, Any]:
     """x less y at common times, the reference taken `lag` [s] before."""
     from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
     begin, end = max(x.time_s[0], y.time_s[0] + lag), min(x.time_s[-1], y.time_s[-1] + lag)
-    if end - begin < _LEAST_COMMON:
-        reason = (
-            f"has {max(end - begin, 0.0):.0f} s in common with the solution; a comparison needs {_LEAST_COMMON:.0f}"
-        )
+    if end - begin < LEAST:
+        reason = f"has {max(end - begin, 0.0):.0f} s in common with the solution; a comparison needs {LEAST:.0f}"
         raise InputError("reference", f"{reason}. Give the reference of the same flight, on the same clock.")
     # At the times of the slower one: the faster is interpolated, which takes nothing away.
     slower = x.time_s if x.rate_hz <= y.rate_hz else y.time_s + lag
-    time = slower[(slower >= begin) & (slower <= end)]
+    thin = max(1, round(min(x.rate_hz, y.rate_hz) / rate))
+    time = slower[(slower >= begin) & (slower <= end)][::thin]
     for solution, shift in ((x, 0.0), (y, lag)):  # not in what is not recorded
         for start, stop in solution.gaps:
             time = time[(time <= start + shift) | (time >= stop + shift)]

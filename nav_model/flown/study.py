@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2, norm
 
 from nav_model.base.errors import InputError
+from nav_model.budget.inputs import inputs_of
 from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
@@ -19,7 +20,7 @@ from nav_model.flown.images import images_of
 from nav_model.flown.jumps import jumps_of
 from nav_model.flown.noise_fit import receiver_of
 from nav_model.flown.noise_scale import Scale, scale_of
-from nav_model.flown.relation import RELATIONS, Compared, Relation, compare, guessed
+from nav_model.flown.relation import LEAST, RELATIONS, Compared, Relation, compare, guessed
 from nav_model.flown.result import ALL, FlownLine, FlownResult, Jump, Series, overall
 from nav_model.flown.solution import Solution
 from nav_model.flown.spread import later_fixes
@@ -35,6 +36,7 @@ KINDS = {"real-time": REAL_TIME, "post-processed": POST_PROCESSED}
 Progress = Callable[[str, float], None]
 _DOUBTED = 0.01  # probability below which a relation is named as denied
 _LEAST_FREEDOM = 5.0
+_LEAST_RATE, _IN_APERTURE = 10.0, 60.0
 _ENOUGH = 100.0  # degrees of freedom, at which a sigma is known to 7 %
 
 
@@ -98,7 +100,7 @@ def flown_study(
     solution = replace(solution, kind=solution.kind or ("real-time" if chosen == "smoothed" else "post-processed"))
     notes = [*solution.notes] if kind else [*solution.notes, f"taken as {solution.kind}"]
     progress("compared", 0.1)
-    compared = None if reference is None else compare(solution, reference, remove_lag=remove_lag)
+    compared = None if reference is None else compare(solution, reference, _rate(design), remove_lag=remove_lag)
     # The covariance follows the better of both along what they have in common.
     if compared is None or reference is None:
         flies, begin, end = solution, float(solution.time_s[0]), float(solution.time_s[-1])
@@ -109,6 +111,9 @@ def flown_study(
             float(compared.time_s[-1]),
         )
         notes += compared.notes
+    if end - begin < LEAST:
+        reason = f"lasts {end - begin:.1f} s; a flight needs {LEAST:.0f}. Give a longer part of it."
+        raise InputError("solution", reason)
     interval = design.gnss.interval
     at_fixes = solution.rate_hz * interval < 2.0
     track = track_of(design, flies, begin, end, at_fixes=at_fixes)
@@ -161,6 +166,11 @@ def flown_study(
         reason=reason,
         notes=(*notes, *track.notes),
     )
+
+
+def _rate(design: Design) -> float:
+    """The rate at which solutions are compared at most [Hz]: an image has enough samples in its aperture."""
+    return max(_LEAST_RATE, _IN_APERTURE / float(inputs_of(design).aperture))
 
 
 def _flown(solution: Solution, reference: Solution, compared: Compared) -> Solution:
