@@ -156,7 +156,7 @@ def to_json(result: FlownResult) -> dict[str, Any]:
     """The result as plain data for JSON, in SI; null for what is not known."""
     compared = result.compared
     solution = result.solution
-    return {
+    content = {
         "solution": _solution(solution) | {"kind": result.kind},
         "reference": None if result.reference is None else _solution(result.reference),
         "relation": result.relation,
@@ -179,7 +179,7 @@ def to_json(result: FlownResult) -> dict[str, Any]:
                 "start_s": line.start_s,
                 "stop_s": line.stop_s,
                 "apertures_left_out": line.apertures_left_out,
-                "figures": {name: _plain(asdict(one)) for name, one in line.figures.items()},
+                "figures": {name: asdict(one) for name, one in line.figures.items()},
             }
             for line in result.lines
         ],
@@ -191,6 +191,7 @@ def to_json(result: FlownResult) -> dict[str, Any]:
         "verdict": result.verdict,
         "reason": result.reason,
     }
+    return dict(_plain(content))
 
 
 def _solution(solution: Solution) -> dict[str, Any]:
@@ -204,5 +205,10 @@ def _solution(solution: Solution) -> dict[str, Any]:
     }
 
 
-def _plain(values: dict[str, Any]) -> dict[str, Any]:
-    return {key: None if isinstance(one, float) and math.isnan(one) else one for key, one in values.items()}
+def _plain(values: Any) -> Any:
+    """The same with null for what is not finite."""
+    if isinstance(values, Mapping):
+        return {key: _plain(one) for key, one in values.items()}
+    if isinstance(values, list | tuple):
+        return [_plain(one) for one in values]
+    return None if isinstance(values, float) and not math.isfinite(values) else values
