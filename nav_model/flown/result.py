@@ -206,7 +206,7 @@ def _solution(solution: Solution) -> dict[str, Any]:
 
 
 def _plain(values: Any) -> Any:
-    """The same with null for what is not finite."""
+    """Plain data with null for what is not finite."""
     if isinstance(values, Mapping):
         return {key: _plain(one) for key, one in values.items()}
     if isinstance(values, list | tuple):
