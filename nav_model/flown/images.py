@@ -26,6 +26,7 @@ _ACROSS = 0.25  # of an aperture, from one to the next
 _LEAST_SAMPLES = 20  # in an aperture
 _WINDOW = 100  # apertures whose covariance gives the freedom of a longer line
 _FILTER = "a filter's output has the steps of its fixes, which an image from the free INS has not; the raw log tells"
+_NOISY = "white noise of the reference is more than half of it"
 _COMMON = "both passes share noise and fixes over an aperture"
 
 
@@ -80,6 +81,7 @@ def images_of(stretch: Stretch, budgeted: Budgeted, compared: Compared, jumps: t
         name: float(sigma[0] ** 2)
         for name, (sigma, _) in places_of(moved, aperture.shifts_of(mean[None, None]), x).items()
     }
+    white = _of_white(stretch, compared, usable, x)
     C, factors, window = _spread(usable, budgeted)
     expected = mean_square(C)
     by_aperture = aperture.figures(squares[None], x, rest[None])
@@ -89,9 +91,26 @@ def images_of(stretch: Stretch, budgeted: Budgeted, compared: Compared, jumps: t
         degrees = freedom(C, factors[name]) * len(usable) / window
         if not budgeted.post_processed and name not in PLACES:
             navigation = float(expected @ factors[name])  # of the filter's output, steps and all
-        made[name] = Square(values[name], 0.0, others, navigation, degrees, len(usable), refused)
+        noise = white.get(name, 0.0)
+        why = refused or (_NOISY if noise > 0.5 * values[name] else "")
+        made[name] = Square(values[name], -noise, others, navigation, degrees, len(usable), why)
     series = {name: np.sqrt(np.maximum(by_aperture[name][0], 0.0)) for name in made if name in by_aperture}
     return Images(made, int(touched.sum()), usable + 0.5 * T, series)
+
+
+def _of_white(stretch: Stretch, compared: Compared, begin: FloatArray, x: Inputs) -> Mapping[str, float]:
+    """Mean squares of the phases that white noise of the difference makes: an INS has none from sample to sample, a
+    reference from fixes or from sights has. Third differences show it, as no motion of an error does."""
+    inside = (compared.time_s >= stretch.start) & (compared.time_s <= stretch.stop)
+    variance = np.mean(np.diff(compared.position[inside], n=3, axis=0) ** 2, axis=0) / 20.0
+    step, T = float(np.median(np.diff(compared.time_s))), float(x.aperture)
+    count = T / step
+    middle = np.column_stack([np.interp(begin[:1] + 0.5 * T, compared.time_s, axis) for axis in compared.track.T])
+    sums, sight = aperture.sums_of(middle, x)
+    of_orders = (2 * np.arange(aperture.ORDERS) + 1) / count
+    columns = np.einsum("acmx,m,x->ac", sums**2, of_orders, variance)
+    rest = (sight**2) @ variance * max(1.0 - aperture.ORDERS / count, 0.0)
+    return {name: float(one[0, 0]) for name, one in aperture.figures(columns[None], x, rest[None]).items()}
 
 
 def sums_of_samples(

@@ -63,7 +63,7 @@ def states_of(seen: Seen, budgeted: Budgeted, scale: Scale, reference: Solution)
     scale : Scale
         Of the noise that the flight shows.
     reference : Solution
-        Whose claims are its own error.
+        Whose claims are its own error, on the solution's clock.
     """
     output = budgeted.states(budgeted.processing)[seen.on].mean(axis=0)
     factor, beyond, refused = _beyond(seen, budgeted, scale, reference)
@@ -129,8 +129,8 @@ def _beyond(
         for first, part in enumerate(
             (reference.claims.position, reference.claims.velocity, reference.claims.attitude)
         ):
-            if part is not None:
-                claimed[3 * first : 3 * first + 3] = np.nan_to_num(np.nanmean(part[near] ** 2, axis=0))
+            if part is not None and np.isfinite(part[near]).any(axis=0).all():
+                claimed[3 * first : 3 * first + 3] = np.nanmean(part[near] ** 2, axis=0)
     for axis in np.flatnonzero(claimed > 0.5 * seen.mean_square):
         refused[axis] = "the reference's claim is more than half of the difference"
     return np.ones(AXES), -claimed, refused

@@ -133,7 +133,7 @@ def flown_study(
         scale = _scale(budgeted, seen)
         for number, (stretch, on_it) in enumerate(seen.items()):
             progress(stretch.name, 0.4 + 0.5 * number / len(seen))
-            states = states_of(on_it, budgeted, scale, reference) if on_it else {}
+            states = states_of(on_it, budgeted, scale, flies) if on_it else {}
             flown.append(line_of(stretch, budgeted, images_of(stretch, budgeted, compared, jumps), states))
         series = _series(budgeted, flown)
     lines = [each.line for each in flown]

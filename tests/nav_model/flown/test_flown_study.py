@@ -91,6 +91,20 @@ def test_an_image_is_held_against_an_independent_reference(flights) -> None:
     assert result.compared.offset[2].value == pytest.approx(2.0, abs=0.5)
 
 
+def test_white_noise_of_a_reference_is_no_phase_of_the_solution(flights) -> None:
+    """Little is taken off; a centimetre at 20 Hz hides the phase, which then cannot be told."""
+    solution = made.solution(flights, flights.smoothed[:, :, 1], 20.0, "post-processed")
+    truth_of = made.solution(flights, 0.0 * flights.smoothed[:, :, 0], 20.0, "")
+    design = DESIGN.replace({"requirements.quadratic_phase": math.radians(90.0)})
+    noise = np.random.default_rng(0).standard_normal(truth_of.place.shape) / [6.4e6, 6.4e6, 1.0]
+    phases = []
+    for sigma in (0.0, 2e-4, 1e-2):
+        reference = replace(truth_of, place=truth_of.place + sigma * noise, velocity=None)
+        phases.append(all_lines(flown_study(design, solution, reference))["quadratic_phase"])
+    assert phases[1].flown == pytest.approx(phases[0].flown, rel=0.1)
+    assert "white noise of the reference" in phases[2].reason
+
+
 def test_phases_of_a_filter_are_not_those_of_the_free_ins(flights) -> None:
     """Its fixes make steps: the phase is far beyond the image's, and cannot be told against it."""
     solution = made.solution(flights, flights.after[:, :, 0], 20.0, "real-time")
