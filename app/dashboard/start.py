@@ -34,7 +34,7 @@ _MOST = 5000  # characters of a data sheet
 
 
 class StartChoice(PlainScript):
-    """One line of buttons; ``chosen`` is the name of the one pressed last."""
+    """A group of buttons; ``chosen`` is the name of the one pressed last."""
 
     names = param.List(default=list(STARTS))
     chosen = param.String(default="", doc="Empty: none.")

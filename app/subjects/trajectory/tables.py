@@ -64,8 +64,9 @@ def failure(followed: Followed, line: LineResult) -> str:
     return f"{line.name}: {figure_in_sentence(line.fails_by)} {_excess(followed, line)}"
 
 
-def _excess(followed: Followed, line: LineResult) -> str:
-    """For how much of a line its first figure to fail is over the limit, since when, at worst, and by what."""
+def _excess(followed: Followed, line: LineResult, *, listed: bool = False) -> str:
+    """For how much of a line its first figure to fail is over the limit, since when, at worst, and by what; `listed`
+    where value and limit are beside it."""
     name, result = line.fails_by, followed.result
     assert line.fails_at_s is not None
     most = line.limits[name]
@@ -79,7 +80,7 @@ def _excess(followed: Followed, line: LineResult) -> str:
         over = f"for {percent(share)} of {where}, first at {time_in_words(line.fails_at_s)}"
     else:
         over = f"all along {where}"
-    return f"over {level} {over}; worst {worst}, {cause}"
+    return f"{over}, {cause}" if listed else f"over {level} {over}; worst {worst}, {cause}"
 
 
 def line_list(followed: Followed, name: str) -> TableBlock:
@@ -95,7 +96,7 @@ def line_list(followed: Followed, name: str) -> TableBlock:
         fails = "✗\u00a0fails", "bad"
         sign, tone = (("✓\u00a0keeps", "good") if limit else ("no limit", "")) if line.closes else fails
         label = line.name if not result.spec.lines or line.name == f"line {place}" else f"{place}  {line.name}"
-        why = line.reason or (f"{figure.label} {_excess(followed, line)}" if line.fails_by else "")
+        why = line.reason or (f"{figure.label} {_excess(followed, line, listed=True)}" if line.fails_by else "")
         why = "; ".join(filter(None, (why, line.remark))) or figure.label
         texts = (
             f"{why[:1].upper()}{why[1:]}",
@@ -120,7 +121,7 @@ def line_list(followed: Followed, name: str) -> TableBlock:
             "Line",
             "Limits",
             ("Decides", 1.5),
-            *numbers("Worst", f"Worst {_other(result)}", "Limit"),
+            *numbers("Worst", _other(result).capitalize(), "Limit"),
             *(["Length"] if any(lengths) else []),
         ),
         rows,

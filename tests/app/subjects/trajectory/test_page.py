@@ -106,9 +106,9 @@ def test_the_strip_counts_the_lines_that_keep_every_limit(followed: Followed) ->
     listed = line_list(followed, "detrended_phase")
     for row, line in zip(listed.rows, followed.result.lines, strict=True):
         assert [cell.text for cell in row][:2] == [line.name, "✗\u00a0fails"]
-        assert row[2].text.startswith("Detrended phase over 20° all along the line; worst ")
+        assert row[2].text.startswith("Detrended phase all along the line, ")
     assert listed.note == followed.result.heading.in_words()
-    assert listed.columns[4].title == "Worst post-processed"
+    assert listed.columns[4].title == "Post-processed"
     smoothed = followed.result.post_processed.figures["detrended_phase"]
     for row, line in zip(listed.rows, followed.result.spec.lines, strict=True):
         worst = math.degrees(smoothed[(time >= line.start + half) & (time <= line.stop - half)].max())
