@@ -50,7 +50,7 @@ def test_a_flight_is_brought_held_against_the_budget_and_refused_by_name(
     expect(page.get_by_role("heading", name=re.compile("^(✗ Not met|Open|Cannot be told)$"))).to_be_visible()
     expect(page.get_by_text("The reference is another system, with errors of its own")).to_be_visible()
     expect(table.get_by_role("rowheader", name="Horizontal position").first).to_be_visible()
-    page.get_by_role("button", name="The receiver").click()
+    page.get_by_role("button", name="Noise of IMU and receiver").click()
     expect(page.get_by_role("rowheader", name="White noise, horizontal")).to_be_visible()
     accessible(page, "As flown", every=True, advice=True)
     page.get_by_role("button", name="Use these in the design").click()

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 _AXES = ("north", "east", "down")
 _TO_SCALE = 5.0  # longer and narrower flights would be one line on a map to scale
-_MOST_JUMPS = 6  # named on a chart
+_MOST_JUMPS, _APART = 6, 0.08  # named on a chart, and how far apart on its time axis
 _ROOM_FOR_A_NAME = 0.012  # of the time axis, a letter
 IN_APERTURES = (
     "detrended_phase", "quadratic_phase", "cubic_phase", "phase_before_autofocus", "path_before_autofocus",
@@ -134,9 +134,13 @@ def lines_of(flight: FlownFlight) -> tuple[FlownLine, ...]:
 
 
 def _jumps(flight: FlownFlight) -> tuple[Points, ...]:
-    """When the largest jumps are."""
-    jumps = sorted(flight.result.jumps, key=lambda jump: -jump.size_m)[:_MOST_JUMPS]
-    at = np.array([jump.time_s - flight.start_s for jump in jumps])
+    """Times of the largest jumps, as there is room for their names."""
+    apart, places = _APART * float(np.ptp(_times(flight))), list[float]()
+    for jump in sorted(flight.result.jumps, key=lambda jump: -jump.size_m):
+        place = jump.time_s - flight.start_s
+        if len(places) < _MOST_JUMPS and all(abs(place - other) > apart for other in places):
+            places.append(place)
+    at = np.array(places)
     return (Points("jumps", "jump", at, np.zeros(len(at)), tuple("jump" for _ in at), "mark", "name"),)
 
 

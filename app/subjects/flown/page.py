@@ -19,7 +19,15 @@ from app.document.pane import html_of
 from app.session import Session
 from app.subjects.flown.charts import IN_APERTURES, map_chart, receiver_chart, timelines
 from app.subjects.flown.run import FlownFlight, hold
-from app.subjects.flown.tables import as_csv, flight_blocks, jump_block, main_figure, place_blocks, receiver_block
+from app.subjects.flown.tables import (
+    as_csv,
+    flight_blocks,
+    jump_block,
+    main_figure,
+    noise_blocks,
+    place_blocks,
+    receiver_block,
+)
 from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download
 from app.ui.first_screen import first_screen
@@ -122,7 +130,7 @@ class FlownPage(StudyPage[FlownFlight]):
                 (
                     ("Time and place", lambda: of_flight.text(lambda flight: html_of(*place_blocks(flight)))),
                     ("Jumps", lambda: of_flight.text(lambda flight: html_of(jump_block(flight)))),
-                    ("The receiver", self._receiver),
+                    ("Noise of IMU and receiver", self._receiver),
                     ("Exports", lambda: of_flight.later(self._exports)),
                 )
             ),
@@ -165,7 +173,7 @@ class FlownPage(StudyPage[FlownFlight]):
                 chart.append(of_flight.chart(receiver_chart, 280))
 
         of_flight.add(follow)
-        told = of_flight.text(lambda flight: html_of(receiver_block(flight)))
+        told = of_flight.text(lambda flight: html_of(*noise_blocks(flight), receiver_block(flight)))
         of_flight.add(draw)
         return pn.Column(told, use, chart)
 

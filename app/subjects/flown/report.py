@@ -5,10 +5,17 @@ from app.document.flown import answer
 from app.document.wording import identified
 from app.subjects.flown.charts import map_chart, timelines
 from app.subjects.flown.run import FlownFlight
-from app.subjects.flown.tables import flight_blocks, jump_block, main_figure, place_blocks, receiver_block
+from app.subjects.flown.tables import (
+    flight_blocks,
+    jump_block,
+    main_figure,
+    noise_blocks,
+    place_blocks,
+    receiver_block,
+)
 from nav_model.design import Design
 
-_HOW = "The difference of two solutions against the covariance along the flown track [P-13], [P-14],."
+_HOW = "The difference of two solutions against the covariance along the flown track [P-13], [P-14], [P-17], [P-18]."
 
 
 def another_design(study: FlownFlight, design: Design) -> str:
@@ -23,6 +30,7 @@ def sections(study: FlownFlight, key: str) -> tuple[Section, ...]:
         *flight_blocks(study, key),
         *place_blocks(study, key),
         jump_block(study, key),
+        *noise_blocks(study, key),
         receiver_block(study, key),
     )
     return (

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
     from nav_model.flown.solution import Solution
 
 FloatArray = NDArray[np.float64]
+_LONGEST = 100  # characters of a name
 _MOST = 2000  # samples of a series, as the screen has no more pixels
 
 
@@ -117,11 +120,20 @@ def _read(files: Sequence[File], sources: list[Source]) -> Solution:
     """The solution of a file and of what belongs to it, noting name and hash of each."""
     from nav_model.flown.files.reader import read_solution
 
-    contents = [file.path.read_bytes() for file in files]
-    sources += [
-        Source(file.name, hashlib.sha256(content).hexdigest()) for file, content in zip(files, contents, strict=True)
-    ]
-    return read_solution(contents[0], contents[1:], name=files[0].name)
+    for file in files:
+        with file.path.open("rb") as content:
+            sources.append(Source(file.name, hashlib.file_digest(content, "sha256").hexdigest()))
+    # Under their own names, which messages have; an SBET stays on the disk, whatever its size.
+    beside = files[0].path.parent
+    with tempfile.TemporaryDirectory(dir=beside, ignore_cleanup_errors=True) as folder:
+        named = [
+            Path(folder) / f"{number}" / (Path(file.name).name[-_LONGEST:] or "file")
+            for number, file in enumerate(files)
+        ]
+        for place, file in zip(named, files, strict=True):
+            place.parent.mkdir()
+            place.hardlink_to(file.path)
+        return read_solution(named[0], named[1:])
 
 
 def _thinned(result: FlownResult) -> FlownResult:

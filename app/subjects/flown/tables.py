@@ -25,6 +25,7 @@ _SHOWN = (
     "detrended_phase", "quadratic_phase", "ce90",
 )  # fmt: skip
 _PARTS = {"white": "White noise", "slow": "Slow error", "time": "Correlation time"}
+_UNITS = {"imu": "IMU", "gnss": "Receiver"}
 _MOST_JUMPS = 50
 
 
@@ -58,7 +59,7 @@ def line_table(flight: FlownFlight, key: str = "flown") -> TableBlock:
         ("Quantity", "Verdict", *numbers("Limit", "Flown", "Budget", "Freedom")),
         rows,
         "Consistent: the budget lies in the band, else how many times it was flown, of navigation alone. Freedom: "
-        "degrees of freedom of the mean square (Satterthwaite 1946), which give the band. Times are from "
+        "degrees of freedom of the mean square which give the band [P-18]. Times are from "
         "the start of the solution.",
     )
 
@@ -102,13 +103,14 @@ def claims_table(flight: FlownFlight, key: str = "flown") -> TableBlock:
 
 
 def flight_blocks(flight: FlownFlight, key: str = "flown") -> tuple[Block, ...]:
-    """The figures by line where two solutions show any, and the claims where there are any."""
+    """The figures by line where two solutions show any, and the claims where there are any; else why."""
     blocks: list[Block] = []
     if flight.result.lines:
         blocks.append(line_table(flight, key))
     if flight.result.claims:
         blocks.append(claims_table(flight, key))
-    return tuple(blocks) or (Text("There is no second solution, and the file claims no accuracy."),)
+    reason = flight.result.reason
+    return tuple(blocks) or (Text(f"{reason[:1].upper()}{reason[1:]}."),)
 
 
 def place_blocks(flight: FlownFlight, key: str = "flown") -> tuple[Block, ...]:
@@ -171,6 +173,25 @@ def jump_block(flight: FlownFlight, key: str = "flown") -> Block:
             for jump in sorted(largest, key=lambda jump: jump.time_s)
         ],
         "Apertures that touch one are left out.",
+    )
+
+
+def noise_blocks(flight: FlownFlight, key: str = "flown") -> tuple[Block, ...]:
+    """How many times as noisy as their design IMU and receiver were, where the lines tell."""
+    rows = [
+        (_UNITS.get(name, name), number(one.value), f"{number(one.low_95)} to {number(one.high_95)}")
+        for name, one in flight.result.noise.items()
+    ]
+    if not rows:
+        return ()
+    return (
+        table(
+            f"{key}-noise",
+            "Noise on the lines, over that of the design",
+            ("Unit", *numbers("Times as noisy", "95 % interval")),
+            rows,
+            "As its design has it: 1 [P-19].",
+        ),
     )
 
 
