@@ -8,7 +8,7 @@ from nav_model.base.dimensions import DIMENSIONS
 from nav_model.base.units import format_quantity
 from nav_model.design.figures import FIGURES, figure_in_sentence
 from nav_model.flown.relation import MEANINGS
-from nav_model.flown.result import ALL, FEW, FlownLine, FlownResult, Measured
+from nav_model.flown.result import ALL, FlownLine, FlownResult, Measured, deciding
 
 _STATES = ("not met", "cannot be told", "open", "met")
 _SIGNS = {"met": ("✓ ", "good"), "not met": ("✗ ", "bad")}
@@ -29,7 +29,7 @@ def sentence(result: FlownResult) -> str:
 
 
 def answer(result: FlownResult) -> Answer:
-    """The same as an answer: the verdict as its word, and a sentence of each limited figure."""
+    """The sentence as an answer: the verdict as its word, and a sentence of each limited figure."""
     sign, tone = _SIGNS.get(result.verdict, ("", "open"))
     parts = _figures(result) or [result.reason]
     taken = f"{MEANINGS[result.relation]}, as the files tell" if result.guessed else MEANINGS[result.relation]
@@ -46,19 +46,8 @@ def _figures(result: FlownResult) -> list[str]:
         return []
     parts = []
     for name in figures:
-        # What one line is too short to tell, all together may.
-        of_all = [
-            line
-            for line in result.lines
-            if line.name == ALL and name in line.figures and FEW not in line.figures[name].reason
-        ]
-        short = of_all and all(FEW in line.figures[name].reason for line in lines if name in line.figures)
         by_state = {
-            state: [
-                line
-                for line in (of_all if short else lines)
-                if name in line.figures and line.figures[name].verdict == state
-            ]
+            state: [line for line in deciding(result.lines, name) if line.figures[name].verdict == state]
             for state in _STATES
         }
         limits = {one.limit for line in lines if (one := line.figures.get(name)) and one.limit is not None}

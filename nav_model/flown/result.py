@@ -111,12 +111,7 @@ class FlownResult:
     def decisive(self) -> tuple[FlownLine, str, Measured] | None:
         """The limited figure that decides, on its line: the worst against its limit of those with the verdict's
         state; None where nothing is limited."""
-        given = [
-            (line, name, one)
-            for line in self.lines
-            for name, one in line.figures.items()
-            if one.limit is not None and one.verdict == self.verdict
-        ]
+        given = [each for each in _deciding(self.lines) if each[2].verdict == self.verdict]
         return max(given, key=lambda each: _size(each[2]), default=None)
 
 
@@ -126,30 +121,39 @@ def _size(measured: Measured) -> float:
     return value / measured.limit
 
 
+def deciding(lines: tuple[FlownLine, ...], name: str) -> tuple[FlownLine, ...]:
+    """The lines whose verdicts on a limited figure count.
+
+    Each stands for itself. Where one is too short to tell and none is beyond its limit, all together decide, as they
+    are one measurement of one sigma.
+    """
+    there = [line for line in lines if name in line.figures and line.figures[name].limit is not None]
+    alone = tuple(line for line in there if line.name != ALL)
+    whole = tuple(line for line in there if line.name == ALL and line.figures[name].verdict in ("met", "not met"))
+    figures = [line.figures[name] for line in alone]
+    undecided = [one for one in figures if one.verdict == "open" or FEW in one.reason]
+    if not whole or not undecided or any(one.verdict == "not met" for one in figures):
+        return alone
+    beyond = any(one.limit is not None and one.flown > one.limit for one in undecided)
+    return alone if beyond and whole[0].figures[name].verdict == "met" else whole
+
+
+def _deciding(lines: tuple[FlownLine, ...]) -> list[tuple[FlownLine, str, Measured]]:
+    names = dict.fromkeys(name for line in lines for name in line.figures)
+    return [(line, name, line.figures[name]) for name in names for line in deciding(lines, name)]
+
+
 def overall(lines: tuple[FlownLine, ...]) -> tuple[FlownVerdict, str]:
     """The verdict over all lines and limited figures, and its reason in a sentence."""
-    # What one line is too short to tell, all together may.
-    together = {
-        name for line in lines if line.name == ALL for name, one in line.figures.items() if FEW not in one.reason
-    }
-    limited = [
-        (line, name, one)
-        for line in lines
-        for name, one in line.figures.items()
-        if one.limit is not None and not (name in together and FEW in one.reason)
-    ]
+    limited = _deciding(lines)
     if not lines:
         return "cannot be told", "no straight stretch is as long as an aperture"
     if not limited:
         return "cannot be told", "the design limits no figure that a flight shows"
     order: tuple[FlownVerdict, ...] = ("not met", "cannot be told", "open", "met")
-    for verdict in order:
-        there = [each for each in limited if each[2].verdict == verdict]
-        if there:
-            names = ", ".join(dict.fromkeys(line.name for line, _, _ in there))
-            line, name, one = max(there, key=lambda each: _size(each[2]))
-            return verdict, f"{name} on {line.name}" + (f": {one.reason}" if one.reason else "") if names else ""
-    raise AssertionError("no figure has a verdict")
+    verdict = min((one.verdict for _, _, one in limited), key=order.index)
+    line, name, one = max((each for each in limited if each[2].verdict == verdict), key=lambda each: _size(each[2]))
+    return verdict, f"{name} on {line.name}" + (f": {one.reason}" if one.reason else "")
 
 
 def to_json(result: FlownResult) -> dict[str, Any]:
