@@ -203,8 +203,8 @@ def _lag_of_velocities(x: Solution, y: Solution) -> float:
         return 0.0
     mean = np.where(enough, np.maximum(squares - 2.0 * product, 0.0) / np.maximum(common, 1.0), np.inf)
     best, none = int(np.argmin(mean)), int(np.argmin(np.abs(shift)))
-    if not any_lag and not mean[best] < _CLEARLY * mean[none]:
-        return 0.0
+    if enough[none] and abs(shift[none]) <= step and not mean[best] < _CLEARLY * mean[none]:
+        return 0.0  # of a track that repeats itself, any period is as good
     return float(shift[best])
 
 

@@ -9,8 +9,9 @@ import pytest
 from nav_model import flown_study
 from nav_model.base.errors import InputError
 from nav_model.design.file import parse_design
+from nav_model.flown.relation import compare
 from nav_model.flown.result import ALL, to_json
-from nav_model.flown.solution import Claims
+from nav_model.flown.solution import Claims, Solution
 from tests.support import made_flights as made
 
 DESIGN = parse_design("""
@@ -201,3 +202,13 @@ def test_what_has_nothing_in_common_is_refused(flights) -> None:
         flown_study(DESIGN, solution, replace(reference, place=reference.place + np.array([0.1, 0.0, 0.0])))
     with pytest.raises(InputError, match="needs a reference"):
         flown_study(DESIGN, solution, relation="smoothed")
+
+
+def test_a_track_that_repeats_itself_has_no_lag_of_a_period() -> None:
+    """Clocks without a name, and fixes of a metre: a period later is as good, and is not taken."""
+    time = np.arange(0.0, 1200.0)
+    turn = 2.0 * np.pi * time / 300.0
+    place = np.column_stack([0.8 + 2e-4 * np.cos(turn), 0.1 + 3e-4 * np.sin(turn), 500.0 + 0.0 * time])
+    noise = np.random.default_rng(1).standard_normal((2, len(time), 3)) * [1.5e-7, 2e-7, 1.0]
+    x, y = (Solution("table", "", time, "", place + each) for each in noise)
+    assert abs(compare(x, y).lag.value) < 0.5
