@@ -75,3 +75,16 @@ ALTER TABLE reviews ADD COLUMN signature TEXT;
 
 -- version 5
 CREATE TABLE offers (name TEXT PRIMARY KEY, kept TEXT NOT NULL, text TEXT NOT NULL);
+
+-- version 6
+CREATE TABLE flights (
+    design TEXT NOT NULL,
+    number INTEGER NOT NULL,
+    place INTEGER NOT NULL,
+    author TEXT NOT NULL,
+    saved TEXT NOT NULL,
+    verdict TEXT NOT NULL,
+    sentence TEXT NOT NULL,
+    files TEXT NOT NULL,
+    PRIMARY KEY (design, number, place),
+    FOREIGN KEY (design, number) REFERENCES revisions(design, number));

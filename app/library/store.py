@@ -298,7 +298,7 @@ def _sizes(connection: Connection) -> dict[str, int]:
         size = "(page_count - freelist_count) * page_size"
         queries["bytes"] = f"SELECT {size} FROM pragma_page_count, pragma_freelist_count, pragma_page_size"
     else:
-        written = ("revisions", "tags", "review_comments", "review_decisions", "offers")
+        written = ("revisions", "tags", "review_comments", "review_decisions", "offers", "flights")
         queries["bytes"] = "SELECT " + " + ".join(f"pg_total_relation_size('{table}')" for table in written)
     return {what: int(connection.execute(text(query)).scalar_one()) for what, query in queries.items()}
 

@@ -3,11 +3,14 @@
 from typing import Any
 from urllib.parse import unquote
 
+import panel as pn
 import param
 
 from app.upstream.late_session import connecting_cookies
 from app.upstream.plain_script import PlainScript
 
+NAME_COOKIE = "navbudget-name"
+"""Cookie of the name that a visitor without a login typed."""
 DISPLAY_COOKIE = "navbudget-show"
 """Cookie of how figures are shown."""
 
@@ -28,6 +31,12 @@ class Remembered(PlainScript):
 
     def __init__(self, key: str, text: Any) -> None:
         super().__init__(key=key, text=text, width=0, height=0, margin=0)
+
+
+def login() -> str:
+    """The login of the session's user; empty without access control."""
+    user = pn.state.user
+    return user if user and user != "guest" else ""
 
 
 def recalled(key: str) -> str:

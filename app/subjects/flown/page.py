@@ -14,8 +14,10 @@ from app.charts.legend import key_html
 from app.charts.screen.timelines import Timelines
 from app.declared import chosen
 from app.document.blocks import Answer
-from app.document.flown import answer
+from app.document.flown import answer, sentence
 from app.document.pane import html_of
+from app.library.flights import keep_flight
+from app.library.place import library
 from app.session import Session
 from app.subjects.flown.charts import IN_APERTURES, map_chart, receiver_chart, timelines
 from app.subjects.flown.run import FlownFlight, hold
@@ -30,9 +32,11 @@ from app.subjects.flown.tables import (
 )
 from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download
+from app.ui.fields import TextInput
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
+from app.ui.remembered import NAME_COOKIE, login, recalled
 from app.ui.run_bar import RunBar
 from app.ui.study_page import StudyPage
 from app.ui.theme import NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
@@ -113,6 +117,7 @@ class FlownPage(StudyPage[FlownFlight]):
         super().__init__(session)
         self._solution, self._reference = SolutionFiles(), SolutionFiles()
         self._bar = RunBar(self.run, self.begin, "Start", *self._fields(), strip=True)
+        self._name = login() or recalled(NAME_COOKIE)
         self._stack: Timelines | None = None  # made with the first result
         self._head = html_pane("", margin=(6, 10, 0, 10))
         self._curves = pn.Column(
@@ -131,7 +136,7 @@ class FlownPage(StudyPage[FlownFlight]):
                     ("Time and place", lambda: of_flight.text(lambda flight: html_of(*place_blocks(flight)))),
                     ("Jumps", lambda: of_flight.text(lambda flight: html_of(jump_block(flight)))),
                     ("Noise of IMU and receiver", self._receiver),
-                    ("Exports", lambda: of_flight.later(self._exports)),
+                    ("Keep and export", lambda: of_flight.later(self._ending)),
                 )
             ),
         )
@@ -193,6 +198,42 @@ class FlownPage(StudyPage[FlownFlight]):
             self._refuse(problem)
         else:
             self._say(f"The receiver of {flight.name} is in the design.")
+
+    def _ending(self) -> pn.Column:
+        """What becomes of the result: kept with the saved design, or taken away."""
+        self._author = TextInput(
+            label="Your name",
+            value=self._name,
+            disabled=bool(login()),
+            max_length=100,
+            width=260,
+        )
+        keep = pmui.Button(label="Keep with the design", variant="outlined", margin=(6, 6))
+
+        async def pressed(_: Any) -> None:
+            await self._keep()
+
+        keep.on_click(pressed)
+        return pn.Column(
+            pn.FlexBox(self._author, keep, align_items="center", stylesheets=[PRINT_NOTHING]), self._exports()
+        )
+
+    async def _keep(self) -> None:
+        """Keep verdict, sentence and the files' hashes in the library, with the revision that the design is."""
+        flight, base = self._of_result.known(), self._session.lineage.base
+        if base is None or base.content_hash != flight.design.content_hash:
+            reason = "a flight is kept with a saved design. Save this one under Review, then press Start again."
+            self._refuse(InputError("library", reason))
+            return
+        result, author = flight.result, login() or self._author.value or ""
+        files = [(source.name, source.sha256) for source in flight.sources]
+        words = sentence(result)
+        try:
+            await asyncio.to_thread(lambda: keep_flight(library(), base.key, author, result.verdict, words, files))
+        except InputError as error:
+            self._refuse(error)
+            return
+        self._say(f"The flight is kept with revision {base.number} of {base.name}.")
 
     def _exports(self) -> pn.FlexBox:
         known = self._of_result.known

@@ -5,7 +5,6 @@ from collections.abc import Awaitable, Callable, Sequence
 from functools import partial
 from typing import Any, TypeVar
 
-import panel as pn
 import panel_material_ui as pmui
 import param
 
@@ -21,7 +20,7 @@ from app.session import Session
 from app.ui.downloads import download, run_download
 from app.ui.fields import TextInput
 from app.ui.html_pane import html_pane
-from app.ui.remembered import Remembered, recalled
+from app.ui.remembered import NAME_COOKIE, Remembered, login, recalled
 from nav_model.base.errors import InputError
 
 _T = TypeVar("_T")
@@ -34,7 +33,6 @@ BUTTON: dict[str, Any] = {"variant": "outlined", "margin": (6, 6)}
 
 _SPOKEN = {"review", *LIMITS}
 """Keys of messages that need no key in front: they name what they are about."""
-_NAME_COOKIE = "navbudget-name"
 
 
 class Desk(param.Parameterized):
@@ -49,10 +47,9 @@ class Desk(param.Parameterized):
     author = param.String(default="", doc="The name typed by whoever is at the desk.")
 
     def __init__(self, session: Session) -> None:
-        user = pn.state.user
-        self._login = user if user and user != "guest" else ""
-        super().__init__(session=session, author=self._login or recalled(_NAME_COOKIE))
-        self.memory = Remembered(_NAME_COOKIE, "" if self._login else self.param.author)
+        self._login = login()
+        super().__init__(session=session, author=self._login or recalled(NAME_COOKIE))
+        self.memory = Remembered(NAME_COOKIE, "" if self._login else self.param.author)
         self.name_field = TextInput.from_param(
             self.param.author,
             label="Your name",

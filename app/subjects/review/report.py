@@ -1,5 +1,6 @@
 """The record of a review, as sections of a report: frozen designs, comments, decisions, signature."""
 
+from collections.abc import Sequence
 from importlib.metadata import version
 
 from app.document.allocation import owners_table
@@ -7,6 +8,7 @@ from app.document.blocks import Answer, Block, Cell, CellLike, Chapter, Row, Sec
 from app.document.numbers import NONE
 from app.document.verdict import check_words, met_cell
 from app.document.wording import printable, shortened
+from app.library.flights import KeptFlight
 from app.library.reviews import Comment, Decision, Review
 from app.library.texts import counted, moment
 from app.report.comparison import entry_differences
@@ -17,11 +19,13 @@ from nav_model.design.figures import label_of
 from nav_model.design.parts import INPUTS
 
 
-def audit_sections(review: Review) -> tuple[Section, ...]:
-    """The sections behind the designs: owners where a design has its own, comments, decisions, the record."""
+def audit_sections(review: Review, flights: Sequence[KeptFlight] = ()) -> tuple[Section, ...]:
+    """The sections behind the designs: owners where a design has its own, flown flights, comments, decisions, the
+    record."""
     shares = any(revision.budget().design.entries.tables() for revision in review.revisions)
     return (
         *((Section("audit-owners", "Allocation and owners", owner_tables(review)),) if shares else ()),
+        *((Section("audit-flown", "As flown", (flight_table(review, flights),)),) if flights else ()),
         Section("audit-log", "Comments and decisions in order", (comment_table(review), decision_table(review))),
         Section("audit-record", "Record of the review", (audit_table(review),)),
     )
@@ -37,6 +41,23 @@ def owner_tables(review: Review) -> tuple[Block, ...]:
     changed = table("review-changed", "What differs between the designs", heads,
                     ((name, *texts) for name, texts in differing.items()))  # fmt: skip
     return owners_table(budgets, labels), changed if differing else same
+
+
+def flight_table(review: Review, flights: Sequence[KeptFlight]) -> TableBlock:
+    """Flights that were held against a design of the review, with their files by hash."""
+    places = {item.key: item.place for item in review.items}
+    rows = (
+        (
+            f"D{places[flight.key]}",
+            Cell(flight.verdict, tone=_FLOWN.get(flight.verdict, "")),
+            flight.sentence,
+            "\n".join(f"{name}, SHA-256 {digest[:16]}" for name, digest in flight.files),
+            f"{flight.author}, {moment(flight.saved)}",
+        )
+        for flight in flights
+    )
+    heads = ("Design", "Verdict", ("Figures", 2.4), ("Files", 1.6), ("By", 1.2))
+    return table("review-flown", "Flights held against these designs", heads, rows)
 
 
 def outcome(review: Review) -> Answer:
@@ -94,6 +115,7 @@ def conditions(review: Review) -> Block:
     return table("review-conditions", "Waivers and rejections", _DECIDED, rows)
 
 
+_FLOWN = {"met": "good", "not met": "bad"}
 _DECIDED = (("Requirement", 1.2), "Decision", ("Value", 1.2), ("By", 1.2), ("Reason", 1.4))
 
 

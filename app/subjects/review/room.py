@@ -13,6 +13,7 @@ from app.declared import declared, optional, required
 from app.document.blocks import Answer
 from app.document.pane import html_of
 from app.document.wording import shortened
+from app.library.flights import KeptFlight, flights_of
 from app.library.place import library
 from app.library.reviews import (
     RESULTS,
@@ -48,6 +49,7 @@ _EMPTY = (
     "<p>Select designs in the library, give the review a title, and start it. The review freezes the designs. "
     "The team then comments on each requirement and decides here, until one of them signs the review off.</p>"
 )
+_NO_FLIGHT = "<p>None yet: the page As flown keeps a flight with the design that it was held against.</p>"
 _SUBJECTS = {
     report.subject_label(subject): subject
     for subject in ("", *RESULTS, *(f"{section}.{name}" for section, names in INPUTS.items() for name in names))
@@ -64,6 +66,7 @@ class ReviewRoom(View):
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk=desk)
         self._asked: object = None
+        self._kept: list[KeptFlight] = []  # of the review at hand
         self._wanted = ""  # id of the review to show
         self._watch: Any = None  # looks for what others add, while a review is in view
         self._design = pmui.Select(label="Design", options={}, width=300, **LOOK)
@@ -72,10 +75,11 @@ class ReviewRoom(View):
         self._all = SortableTable(self._pressed, visible=self.param.review.rx.is_(None), margin=(4, 10))
         self._table = DecisionTable(self._decided, visible=False, sizing_mode="stretch_width", margin=(4, 10))
         self._comments, self._record = html_pane(_EMPTY), html_pane("")
-        self._owners = html_pane("")
+        self._owners, self._flights = html_pane(""), html_pane("")
         self._folded = Folded(
             [
                 ("Allocation: owners, and what changed between designs", lambda: self._owners),
+                ("As flown: flights held against these designs", lambda: self._flights),
                 ("Record: every decision, frozen designs, signature", lambda: self._record),
             ]
         )
@@ -131,6 +135,11 @@ class ReviewRoom(View):
         self.review = next((r for r in reviews if r.id == self._wanted), None)
         if self.review is None:
             self.answer = Answer(counted(len(reviews), "review"), "open", (sentence,)) if reviews else _NO_REVIEW
+            return
+        keys = [item.key for item in self.review.items]
+        self._kept = await self.desk.ask(lambda place: flights_of(place, keys)) or []
+        if self._asked is asked:
+            self._flights.object = html_of(report.flight_table(self.review, self._kept)) if self._kept else _NO_FLIGHT
 
     async def open(self, review: str) -> None:
         """Show a review by its id; an unknown one is said so."""
@@ -291,7 +300,7 @@ class ReviewRoom(View):
     async def _report(self, suffix: str) -> bytes:
         assert self.review is not None  # its button is hidden without one
         budgets = [revision.budget() for revision in self.review.revisions]
-        front, sections = report.front_page(self.review), report.audit_sections(self.review)
+        front, sections = report.front_page(self.review), report.audit_sections(self.review, self._kept)
         return await run_in_pool(report_bytes, budgets, suffix, None, sections, (), front)
 
 

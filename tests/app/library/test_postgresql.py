@@ -25,7 +25,7 @@ from nav_model.budget import Budget
 pytestmark = [pytest.mark.long, pytest.mark.watches("app/library")]
 
 _TABLES = (
-    "offers", "review_decisions", "review_comments", "review_items", "reviews",
+    "flights", "offers", "review_decisions", "review_comments", "review_items", "reviews",
     "tags", "revisions", "designs", "schema_version",
 )  # fmt: skip
 _MISSING = "no PostgreSQL: `make test` installs it (`make postgresql`)"

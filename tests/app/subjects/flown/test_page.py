@@ -15,6 +15,8 @@ from pages import at_once, when_done
 
 import app.subjects.flown.page as flown_page
 from app.document.flown import sentence
+from app.library.flights import flights_of
+from app.library.store import Library
 from app.report.studies import study_sections
 from app.session import Session
 from app.subjects.flown.charts import map_chart, timelines
@@ -225,3 +227,24 @@ def test_what_is_not_known_or_endless_is_null_in_json(design: Design, tmp_path: 
     told = json.loads(json.dumps(data, allow_nan=False))
     assert told["lines"][0]["figures"]["horizontal_position"]["high_95"] is None
     assert told["receiver"]["velocity"] == {"value": 0.1, "declared": None}
+
+
+def test_a_flight_is_kept_with_the_saved_design_alone(
+    session: Session, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shelf = Library(tmp_path / "library.db")
+    monkeypatch.setattr(flown_page, "library", lambda: shelf)
+    page = brought(FlownPage(session))
+    after(page, page.begin)
+    page._ending()
+    page._author.value = "Ann"
+    when_done(page._keep)
+    assert "kept with a saved design" in str(page._strip._text.object) + page._bar.message
+    revision = shelf.save(session.budget, "Ann")
+    session.came_from(revision)
+    when_done(page._keep)
+    (kept,) = flights_of(shelf, [revision.key])
+    assert (kept.author, kept.verdict) == ("Ann", page.run.result.result.verdict)
+    assert [name for name, _ in kept.files] == ["fixes.csv", "truth.csv"]
+    assert kept.sentence == sentence(page.run.result.result)
+    shelf.close()
