@@ -112,7 +112,7 @@ BY_KEY: dict[str, Subject] = {subject.key: subject for subject in SUBJECTS}
 STUDIES: dict[str, Subject] = {subject.key: subject for subject in SUBJECTS if subject.study}
 """The subjects with a study."""
 OF_DESIGNS: dict[str, Subject] = {key: subject for key, subject in STUDIES.items() if not subject.of_files}
-"""Those whose study a design alone can run."""
+"""The subjects whose study a design alone can run."""
 
 
 def tab_index(address: str) -> int | None:

@@ -213,7 +213,7 @@ def _places(flight: FlownFlight) -> Array:
 
 
 def receiver_chart(flight: FlownFlight) -> Chart:
-    """How far fixes move over a time lag, seen and as declared; empty where the receiver is not told."""
+    """Changes of fixes over a time lag, seen and as declared; empty where the receiver is not told."""
     receiver = flight.result.receiver
     nothing = np.array([math.nan])
     lags = np.array(receiver.get("lags_s") or nothing)

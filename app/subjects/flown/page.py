@@ -200,7 +200,7 @@ class FlownPage(StudyPage[FlownFlight]):
             self._say(f"The receiver of {flight.name} is in the design.")
 
     def _ending(self) -> pn.Column:
-        """What becomes of the result: kept with the saved design, or taken away."""
+        """Ways to hold on to the result: kept with the saved design, or taken away."""
         self._author = TextInput(
             label="Your name",
             value=self._name,

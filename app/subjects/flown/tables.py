@@ -82,7 +82,7 @@ def _row(name: str, one: Measured) -> Row:
 
 
 def claims_table(flight: FlownFlight, key: str = "flown") -> TableBlock:
-    """What the file claims of each line, beside budget and limit."""
+    """Claims of the file for each line, beside budget and limit."""
     rows: list[Row] = []
     for line, figures in flight.result.claims.items():
         rows.append((line,))
@@ -114,7 +114,7 @@ def flight_blocks(flight: FlownFlight, key: str = "flown") -> tuple[Block, ...]:
 
 
 def place_blocks(flight: FlownFlight, key: str = "flown") -> tuple[Block, ...]:
-    """What belongs to what: the files, lag, lever arm and offset with their sigmas, and what was noted."""
+    """Time and place: the files, lag, lever arm and offset with their sigmas, and what was noted."""
     result, rows = flight.result, list[Row]()
     compared = result.compared
     if compared is not None:
@@ -177,7 +177,7 @@ def jump_block(flight: FlownFlight, key: str = "flown") -> Block:
 
 
 def noise_blocks(flight: FlownFlight, key: str = "flown") -> tuple[Block, ...]:
-    """How many times as noisy as their design IMU and receiver were, where the lines tell."""
+    """Noise of IMU and receiver over that of their design, where the lines tell."""
     rows = [
         (_UNITS.get(name, name), number(one.value), f"{number(one.low_95)} to {number(one.high_95)}")
         for name, one in flight.result.noise.items()
