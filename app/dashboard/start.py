@@ -54,5 +54,8 @@ class StartChoice(PlainScript):
             self.answer = self._fill_in(msg["rows"][:_MOST])
         if isinstance(msg, str) and msg in STARTS:
             self.says = STARTS[msg].says
-            self.chosen = msg
-            self.param.trigger("chosen")  # pressed again, it leads there again
+            # Pressed again, it leads there again; but once, as a second selection would swallow what is typed.
+            if self.chosen == msg:
+                self.param.trigger("chosen")
+            else:
+                self.chosen = msg
