@@ -28,7 +28,9 @@ MEANINGS = {
     "claims": "no second solution: only what the file claims",
 }
 _WEEK, _DAY = 604_800.0, 86_400.0
-_UTC_AT_GPS_START, _LEAP = 315_964_800.0, 18.0  # s; of UTC since 1970 and leap seconds since 2017
+_LEAP = 18.0  # s, since 2017
+_IN_GPS_TIME = {"gps": 0.0, "gps week seconds": 0.0, "utc": _LEAP - 315_964_800.0}
+"""Seconds to add to the times of a clock for GPS time."""
 _LONGEST_LAG = 60.0  # s
 _STEP = 0.2  # s between velocities that are compared for a lag
 _CLEARLY = 0.5  # a lag found by velocities leaves at most this of the mean square without it
@@ -141,20 +143,17 @@ def _on_clock(y: Solution, x: Solution) -> tuple[Solution, tuple[str, ...]]:
     """The reference with times of the solution's clock, and how they were brought there."""
     time, notes = y.time_s.copy(), list[str]()
     clocks = {x.clock, y.clock}
-    if clocks == {"gps", "utc"}:
-        shift = _LEAP - _UTC_AT_GPS_START
-        time += shift if y.clock == "utc" else -shift
-        notes.append(f"UTC and GPS time are {_LEAP:.0f} s apart, as since 2017")
-    else:
-        # A week or a day has no number: the whole ones between the two that bring them nearest.
-        period = _DAY if "day seconds" in clocks else _WEEK if len(clocks) == 2 and "" not in clocks else 0.0
-        if period:
-            middle = 0.5 * (x.time_s[0] + x.time_s[-1] - time[0] - time[-1])
-            time += period * round(middle / period)
-            name = "day" if period == _DAY else "week"
+    if clocks <= _IN_GPS_TIME.keys():
+        time += _IN_GPS_TIME[y.clock] - _IN_GPS_TIME[x.clock]
+        if "utc" in clocks and len(clocks) == 2:
+            notes.append(f"UTC and GPS time are {_LEAP:.0f} s apart, as since 2017")
+    # A week or a day has no number: the whole ones between the two that bring them nearest.
+    name, period = ("day", _DAY) if "day seconds" in clocks else ("week", _WEEK)
+    if clocks & {"day seconds", "gps week seconds"} and "" not in clocks:
+        middle = 0.5 * (x.time_s[0] + x.time_s[-1] - time[0] - time[-1])
+        if whole := period * round(middle / period):
+            time += whole
             notes.append(f"times match but for whole {name}s: the date is that of the solution")
-            if "utc" in clocks and "day seconds" not in clocks:
-                time += _LEAP if y.clock == "utc" else -_LEAP
     return replace(y, time_s=time), tuple(notes)
 
 

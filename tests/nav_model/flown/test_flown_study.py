@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from datetime import UTC, datetime
 
 import numpy as np
 import pytest
@@ -147,6 +148,19 @@ def test_utc_beside_gps_time_is_named(flights) -> None:
     assert any("is UTC beside GPS time" in note for note in result.notes)
     marked = replace(solution, time_s=solution.time_s - 18.0 + 315_964_800.0, clock="utc")
     assert flown_study(DESIGN, marked, reference).compared.lag.value == pytest.approx(0.0, abs=0.05)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_utc_and_seconds_of_a_gps_week_are_one_time(flights, turned: bool) -> None:
+    solution, reference = pair(flights, 3)
+    noon = datetime(2024, 5, 18, 12, tzinfo=UTC)
+    gps = (noon - datetime(1980, 1, 6, tzinfo=UTC)).total_seconds() + 18.0
+    dated = replace(solution, time_s=solution.time_s + noon.timestamp(), clock="utc")
+    weekly = replace(reference, time_s=reference.time_s + gps % 604_800.0, clock="gps week seconds")
+    pair_of = (weekly, dated) if turned else (dated, weekly)
+    compared = compare(*pair_of)
+    assert compared.lag.value == pytest.approx(0.0, abs=0.05)
+    assert np.ptp(compared.time_s) == pytest.approx(solution.duration_s, abs=1.0)
 
 
 def test_an_imu_three_times_as_noisy_is_told() -> None:
