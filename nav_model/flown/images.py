@@ -16,7 +16,7 @@ from nav_model.flown.result import Jump
 from nav_model.flown.spread import Sums, covariance_of, freedom, mean_square, of_images
 from nav_model.flown.track import Stretch
 from nav_model.trajectory import aperture
-from nav_model.trajectory.place import PLACES, places_of
+from nav_model.trajectory.place import PLACES, beside, places_of
 from nav_model.trajectory.result import STATE_AXES
 
 FloatArray = NDArray[np.float64]
@@ -76,26 +76,31 @@ def images_of(stretch: Stretch, budgeted: Budgeted, compared: Compared, jumps: t
     squares = columns**2
     mean, mean_rest = squares.mean(axis=0), np.full((1, 1), rest.mean())
     values = {name: float(one[0, 0]) for name, one in aperture.figures(mean[None, None], x, mean_rest).items()}
-    moved = aperture.shifts_of(mean[None])
-    values |= {
-        name: float(sigma[0] ** 2)
-        for name, (sigma, _) in places_of(moved, aperture.shifts_of(mean[None, None]), x).items()
-    }
+    values |= _places(mean, x)
     white = _of_white(stretch, compared, usable, x)
-    C, factors, window = _spread(usable, budgeted)
-    expected = mean_square(C)
+    C, columns_of_C, factors, window = _spread(usable, budgeted)
+    expected = np.zeros(aperture.COLUMNS)
+    expected[columns_of_C] = mean_square(C)
+    of_output = _places(expected, x)  # of the filter's output, steps and all, as is each phase below
     by_aperture = aperture.figures(squares[None], x, rest[None])
     made: dict[str, Square] = {}
     refused = _COMMON if budgeted.relation == "reverse" else "" if budgeted.post_processed else _FILTER
     for name, (navigation, others) in budget.items():
         degrees = freedom(C, factors[name]) * len(usable) / window
-        if not budgeted.post_processed and name not in PLACES:
-            navigation = float(expected @ factors[name])  # of the filter's output, steps and all
+        if not budgeted.post_processed:
+            navigation = of_output[name] if name in PLACES else float(expected[columns_of_C] @ factors[name])
         noise = white.get(name, 0.0)
         why = refused or (_NOISY if noise > 0.5 * values[name] else "")
         made[name] = Square(values[name], -noise, others, navigation, degrees, len(usable), why)
     series = {name: np.sqrt(np.maximum(by_aperture[name][0], 0.0)) for name in made if name in by_aperture}
     return Images(made, int(touched.sum()), usable + 0.5 * T, series)
+
+
+def _places(mean: FloatArray, x: Inputs) -> dict[str, float]:
+    """Variances [m²] of the figures of place, of mean squares of an aperture's sums (COLUMNS)."""
+    moved = aperture.shifts_of(mean[None])
+    figures = places_of(moved, aperture.shifts_of(mean[None, None]), x)
+    return {name: float(sigma[0] ** 2) for name, (sigma, _) in figures.items()}
 
 
 def _of_white(stretch: Stretch, compared: Compared, begin: FloatArray, x: Inputs) -> Mapping[str, float]:
@@ -166,15 +171,19 @@ def _of_budget(stretch: Stretch, budgeted: Budgeted) -> dict[str, tuple[float, f
         if not there.any():
             continue
         whole = part.figures[name][there] ** 2
-        share = np.nan_to_num(part.shares[name][: len(model.states.sources), there].sum(axis=0))
-        navigation = whole if name in PLACES else whole * np.minimum(share, 1.0)
+        # A place that a flight shows has the errors beside it too, such as that of the scene's height.
+        sources = len(model.states.sources) + (len(beside(budgeted.x)) if name in PLACES else 0)
+        share = np.nan_to_num(part.shares[name][:sources, there].sum(axis=0))
+        navigation = whole * np.minimum(share, 1.0)
         squares[name] = float(navigation.mean()), float((whole - navigation).mean())
     return squares
 
 
-def _spread(begin: FloatArray, budgeted: Budgeted) -> tuple[FloatArray, Mapping[str, FloatArray], int]:
-    """Covariance of the sums of the first apertures, the factors of each figure on its mean square, and how many
-    apertures these are."""
+def _spread(
+    begin: FloatArray, budgeted: Budgeted
+) -> tuple[FloatArray, NDArray[np.int64], Mapping[str, FloatArray], int]:
+    """Covariance of the sums of the first apertures, which of the sums it is of, the factors of each figure on their
+    mean squares, and how many apertures these are."""
     model, x = budgeted.followed.model, budgeted.x
     at = budgeted.track.clock.in_flight(begin)
     inside = (at >= 0.0) & (at + float(x.aperture) <= model.time_s[-1])
@@ -192,8 +201,10 @@ def _spread(begin: FloatArray, budgeted: Budgeted) -> tuple[FloatArray, Mapping[
         "ce90": shift[0] + shift[aperture.ORDERS],
     }
     whole = {name: values for name, values in whole.items() if name in FIGURES_FLOWN}
-    columns = np.flatnonzero(np.any([values != 0.0 for values in whole.values()], axis=0))
+    used = np.any([values != 0.0 for values in whole.values()], axis=0)
+    used[-1] = True  # with both shifts together, their covariance
+    columns = np.flatnonzero(used)
     sums = of_images(model, x, aperture.apertures_at(model, x, at, np.arange(len(at))))
     chosen = Sums(sums.first, sums.before[:, :, columns], sums.after[:, :, columns])
     C = covariance_of(model, budgeted.followed.run, budgeted.adjoint, chosen, budgeted.error)
-    return C, {name: values[columns] for name, values in whole.items()}, len(at)
+    return C, columns, {name: values[columns] for name, values in whole.items()}, len(at)

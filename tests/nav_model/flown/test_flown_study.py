@@ -163,6 +163,15 @@ def test_utc_and_seconds_of_a_gps_week_are_one_time(flights, turned: bool) -> No
     assert np.ptp(compared.time_s) == pytest.approx(solution.duration_s, abs=1.0)
 
 
+def test_the_place_of_a_filters_output_has_the_steps_of_its_fixes(flights) -> None:
+    measured = []
+    for run in range(3):
+        output = made.solution(flights, flights.after[:, :, run], 20.0, "real-time")
+        measured.append(all_lines(flown_study(DESIGN, output, pair(flights, run, 20.0)[1]))["ce90"])
+    assert np.mean([one.ratio for one in measured]) == pytest.approx(1.0, abs=0.1)
+    assert {one.verdict for one in measured} == {""}
+
+
 def test_an_imu_three_times_as_noisy_is_told() -> None:
     flights = made.fly(DESIGN, 4, seed=2, imu=3.0)
     values = [flown_study(DESIGN, *pair(flights, run)).noise["imu"] for run in range(3)]
