@@ -66,6 +66,7 @@ class Session(param.Parameterized):
         default=0, doc="How often the flight of the design has ended: what reads the verdict follows."
     )
     display = param.String(doc="How figures are told, as a link says it (`app.document.display`); empty: as usual.")
+    author = param.String(default="", doc="The name typed by whoever saves, signs and keeps; a login goes before it.")
     study_link = param.String(doc="The suborbital study as a link says it; empty until one is linked or changed.")
     settings: dict[str, str] = declared(
         param.Dict(default={}, doc="Kind of study -> its settings as a link says them; usual ones are left out.")

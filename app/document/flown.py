@@ -1,5 +1,6 @@
 """A flown flight in words: its verdict in a sentence."""
 
+import math
 import re
 from collections.abc import Sequence
 
@@ -20,6 +21,13 @@ def value_of(name: str, value: float) -> str:
     return format_quantity(value, DIMENSIONS[figure.dimension].default_unit, figure.dimension, 3)
 
 
+def range_of(name: str, low: float, high: float) -> str:
+    """A range of a figure, its unit once: "0.02 to 0.05 m/s"; "∞" where it has no end."""
+    first, last = value_of(name, low), value_of(name, high) if math.isfinite(high) else "∞"
+    unit = last.partition(" ")[2]
+    return f"{first.removesuffix(f' {unit}') if unit else first} to {last}"
+
+
 def sentence(result: FlownResult) -> str:
     """The verdict in a sentence: each limited figure, the lines that meet it and those that do not."""
     parts = _figures(result)
@@ -32,7 +40,9 @@ def answer(result: FlownResult) -> Answer:
     """The sentence as an answer: the verdict as its word, and a sentence of each limited figure."""
     sign, tone = _SIGNS.get(result.verdict, ("", "open"))
     parts = _figures(result) or [result.reason]
-    taken = f"{MEANINGS[result.relation]}, as the files tell" if result.guessed else MEANINGS[result.relation]
+    taken = MEANINGS[result.relation]
+    if result.guessed:
+        taken += "; the files tell nothing else" if result.relation == "independent" else ", as the files tell"
     return Answer(
         f"{sign}{result.verdict.capitalize()}", tone, tuple(f"{one[:1].upper()}{one[1:]}." for one in (*parts, taken))
     )
@@ -68,7 +78,7 @@ def _of_state(name: str, state: str, lines: Sequence[FlownLine]) -> str:
 
 def _band(name: str, known: Sequence[Measured]) -> str:
     low, high = min(one.low_95 for one in known), max(one.high_95 for one in known)
-    return f"{value_of(name, low)} to {value_of(name, high)}, 95 %"
+    return f"{range_of(name, low, high)}, 95 %"
 
 
 def _names(lines: Sequence[FlownLine]) -> str:

@@ -39,7 +39,7 @@ from app.serving.rules import Rules
 from app.session import Session, link_parts
 from app.subjects import SUBJECTS, TABS
 from app.ui.defaults import set_defaults
-from app.ui.remembered import DISPLAY_COOKIE, recalled
+from app.ui.remembered import DISPLAY_COOKIE, NAME_COOKIE, login, recalled
 from app.upstream.connection import keep_first_changes, send_in_order, write_once
 from app.upstream.fonts import load_fonts_by_need
 from app.upstream.late_session import page_of, sheets_from_here, visitor
@@ -93,6 +93,7 @@ def build(changed: Callable[[Any], None] | None = None) -> Any:
     except InputError as error:
         session, notice = Session(first_design()), f"The link was not used. {error}"
     session.take_studies(of_study)
+    session.author = login() or recalled(NAME_COOKIE)
     try:
         session.display = display_of(display or recalled(DISPLAY_COOKIE)).word
     except InputError as error:

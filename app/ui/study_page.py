@@ -105,7 +105,7 @@ class StudyPage(View, Generic[_T]):
 
     def _subject(self, design: Design) -> object:
         """All of a design that a result follows from, to be compared; an InputError where there is none."""
-        return design
+        return design.input_hash
 
     def _write(self) -> None:
         """Strip, charts and what was unfolded; a text that stays the same is not sent."""

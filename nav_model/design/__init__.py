@@ -287,6 +287,11 @@ class Design:
         ]
         return hashlib.sha256("\n".join(lines + self.entries.identity()).encode()).hexdigest()
 
+    @property
+    def input_hash(self) -> str:
+        """SHA-256 like `content_hash`, without name and description, from which no figure follows."""
+        return self.replace({"name": "", "description": ""}).content_hash
+
 
 def _identity(key: str, value: Any) -> Any:
     """Value of a text or a table in a hash."""

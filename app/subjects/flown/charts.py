@@ -160,10 +160,12 @@ def state_of(line: FlownLine) -> tuple[str, float]:
     nothing limits it."""
     known = [one for one in line.figures.values() if math.isfinite(one.flown)]
     limited = [one for one in known if one.limit is not None]
-    ratios = [one.flown / one.limit for one in limited if one.limit]
+    # What cannot be told is no distance to a limit: the output of a filter has steps that its image has not.
+    ratios = [one.flown / one.limit for one in limited if one.limit and one.verdict != "cannot be told"]
     states = {one.verdict for one in limited}
     state = next((each for each in ("not met", "open", "met") if each in states), "")
-    return state, max(ratios or [one.ratio for one in known if math.isfinite(one.ratio)], default=math.nan)
+    of_budget = [one.ratio for one in known if math.isfinite(one.ratio) and not limited]
+    return state, max(ratios or of_budget, default=math.nan)
 
 
 def map_chart(flight: FlownFlight) -> Chart:

@@ -3,6 +3,7 @@
 import asyncio
 import importlib
 import json
+from html import escape
 from typing import Any
 
 import panel as pn
@@ -30,13 +31,13 @@ from app.subjects.flown.tables import (
     place_blocks,
     receiver_block,
 )
+from app.ui.author import author_field
 from app.ui.chart_pane import described, head_html
 from app.ui.downloads import download
-from app.ui.fields import TextInput
 from app.ui.first_screen import first_screen
 from app.ui.folded import Folded
 from app.ui.html_pane import html_pane
-from app.ui.remembered import NAME_COOKIE, login, recalled
+from app.ui.remembered import login
 from app.ui.run_bar import RunBar
 from app.ui.study_page import StudyPage
 from app.ui.theme import NARROW, PRINT_NOTHING, STACK_ON_A_PHONE
@@ -117,7 +118,7 @@ class FlownPage(StudyPage[FlownFlight]):
         super().__init__(session)
         self._solution, self._reference = SolutionFiles(), SolutionFiles()
         self._bar = RunBar(self.run, self.begin, "Start", *self._fields(), strip=True)
-        self._name = login() or recalled(NAME_COOKIE)
+        self._login = login()
         self._stack: Timelines | None = None  # made with the first result
         self._head = html_pane("", margin=(6, 10, 0, 10))
         self._curves = pn.Column(
@@ -201,39 +202,42 @@ class FlownPage(StudyPage[FlownFlight]):
 
     def _ending(self) -> pn.Column:
         """Ways to hold on to the result: kept with the saved design, or taken away."""
-        self._author = TextInput(
-            label="Your name",
-            value=self._name,
-            disabled=bool(login()),
-            max_length=100,
-            width=260,
-        )
         keep = pmui.Button(label="Keep with the design", variant="outlined", margin=(6, 6))
+        outcome = html_pane("", margin=(2, 10))
 
         async def pressed(_: Any) -> None:
-            await self._keep()
+            outcome.say(f'<p role="status">{escape(await self._keep())}</p>')
 
         keep.on_click(pressed)
         return pn.Column(
-            pn.FlexBox(self._author, keep, align_items="center", stylesheets=[PRINT_NOTHING]), self._exports()
+            pn.FlexBox(
+                author_field(self._session, self._login),
+                keep,
+                outcome,
+                align_items="center",
+                stylesheets=[PRINT_NOTHING],
+            ),
+            self._exports(),
         )
 
-    async def _keep(self) -> None:
-        """Keep verdict, sentence and the files' hashes in the library, with the revision that the design is."""
-        flight, base = self._of_result.known(), self._session.lineage.base
-        if base is None or base.content_hash != flight.design.content_hash:
-            reason = "a flight is kept with a saved design. Save this one under Review, then press Start again."
-            self._refuse(InputError("library", reason))
-            return
-        result, author = flight.result, login() or self._author.value or ""
+    async def _keep(self) -> str:
+        """Keep verdict, sentence and the files' hashes in the library, with the revision that the design is.
+
+        Returns what came of it, in a sentence.
+        """
+        flight, base, design = self._of_result.known(), self._session.lineage.base, self._session.design
+        if flight.design.input_hash != design.input_hash:
+            return "Not kept: the flight was held against other inputs. Press Start again."
+        if base is None or base.content_hash != design.content_hash:
+            return "Not kept: a flight is kept with a saved design. Save this one under Review first."
+        result, author = flight.result, self._login or self._session.author or ""
         files = [(source.name, source.sha256) for source in flight.sources]
         words = sentence(result)
         try:
             await asyncio.to_thread(lambda: keep_flight(library(), base.key, author, result.verdict, words, files))
         except InputError as error:
-            self._refuse(error)
-            return
-        self._say(f"The flight is kept with revision {base.number} of {base.name}.")
+            return f"Not kept. {error}"
+        return f"The flight is kept with revision {base.number} of {base.name}."
 
     def _exports(self) -> pn.FlexBox:
         known = self._of_result.known

@@ -20,7 +20,7 @@ _HOW = "The difference of two solutions against the covariance along the flown t
 
 def another_design(study: FlownFlight, design: Design) -> str:
     """The design it was held against, where that is not exactly this one; else nothing."""
-    return "" if study.design.content_hash == design.content_hash else identified(study.design)
+    return "" if study.design.input_hash == design.input_hash else identified(study.design)
 
 
 def sections(study: FlownFlight, key: str) -> tuple[Section, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from app.document.blocks import Block, Bullets, Cell, Row, TableBlock, Text, numbers, table
-from app.document.flown import value_of
+from app.document.flown import range_of, value_of
 from app.document.numbers import NONE, number, show
 from app.subjects.flown.charts import IN_APERTURES, lines_of
 from app.subjects.flown.run import FlownFlight
@@ -69,8 +69,7 @@ def _row(name: str, one: Measured) -> Row:
     against = f"{number(one.ratio)} × it" if one.against_budget in ("more", "less") else one.against_budget
     flown = NONE if math.isnan(one.flown) else value_of(name, one.flown)
     if one.freedom > 0.0:
-        high = value_of(name, one.high_95) if math.isfinite(one.high_95) else "∞"
-        flown = f"{flown}\n{value_of(name, one.low_95)} to {high}"
+        flown = f"{flown}\n{range_of(name, one.low_95, one.high_95)}"
     return (
         FIGURES[name].label,
         Cell(mark, tone=tone, more=one.reason),

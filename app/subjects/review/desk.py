@@ -17,10 +17,10 @@ from app.library.reviews import MAX_ITEMS
 from app.library.store import Library, Revision
 from app.library.texts import LIMITS
 from app.session import Session
+from app.ui.author import author_field
 from app.ui.downloads import download, run_download
-from app.ui.fields import TextInput
 from app.ui.html_pane import html_pane
-from app.ui.remembered import NAME_COOKIE, Remembered, login, recalled
+from app.ui.remembered import NAME_COOKIE, Remembered, login
 from nav_model.base.errors import InputError
 
 _T = TypeVar("_T")
@@ -44,21 +44,12 @@ class Desk(param.Parameterized):
             class_=tuple, default=(), doc=f"Revisions in the order they were picked, at most {MAX_ITEMS}."
         )
     )
-    author = param.String(default="", doc="The name typed by whoever is at the desk.")
 
     def __init__(self, session: Session) -> None:
         self._login = login()
-        super().__init__(session=session, author=self._login or recalled(NAME_COOKIE))
-        self.memory = Remembered(NAME_COOKIE, "" if self._login else self.param.author)
-        self.name_field = TextInput.from_param(
-            self.param.author,
-            label="Your name",
-            description="",
-            disabled=bool(self._login),
-            max_length=100,
-            width=260,
-            **{**LOOK, "margin": (14, 10, 4, 10)},
-        )
+        super().__init__(session=session)
+        self.memory = Remembered(NAME_COOKIE, "" if self._login else session.param.author)
+        self.name_field = author_field(session, self._login, **{**LOOK, "margin": (14, 10, 4, 10)})
         self.notice = html_pane("", margin=(2, 10))
 
     @property
@@ -73,7 +64,7 @@ class Desk(param.Parameterized):
 
         Never the field's value where there is a login: a browser can change a field that is shown disabled.
         """
-        return self._login or self.author or ""
+        return self._login or self.session.author or ""
 
     def say(self, message: str, *, wrong: bool = False) -> None:
         """Show a message; screen readers read it aloud."""

@@ -42,7 +42,7 @@ def study(design: Design, options: argparse.Namespace) -> SarResult:
 def another_design(result: SarResult, design: Design) -> str:
     """The design the strategies were run for, where that is not exactly this one; else nothing."""
     flown = result.study.budget.design
-    return "" if flown.content_hash == design.content_hash else identified(flown)
+    return "" if flown.input_hash == design.input_hash else identified(flown)
 
 
 def sections(result: SarResult, key: str) -> tuple[Section, ...]:

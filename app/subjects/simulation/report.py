@@ -53,7 +53,7 @@ def study(design: Design, options: argparse.Namespace) -> SimulationStudy:
 
 def another_design(study: SimulationStudy, design: Design) -> str:
     """The design it was flown for, where that is not exactly this one; else nothing."""
-    return "" if study.design.content_hash == design.content_hash else identified(study.design)
+    return "" if study.design.input_hash == design.input_hash else identified(study.design)
 
 
 def sections(study: SimulationStudy, key: str) -> tuple[Section, ...]:

@@ -33,7 +33,7 @@ def study(design: Design, options: argparse.Namespace) -> Followed:
 
 def another_design(study: Followed, design: Design) -> str:
     """The design it is of, where that is not exactly this one; else nothing."""
-    return "" if study.design.content_hash == design.content_hash else identified(study.design)
+    return "" if study.design.input_hash == design.input_hash else identified(study.design)
 
 
 def sections(study: Followed, key: str) -> tuple[Section, ...]:

@@ -1,5 +1,6 @@
 """The page As flown without a browser: files, refusals, figures against numpy, and the receiver into the design."""
 
+import asyncio
 import json
 import math
 import pickle
@@ -237,14 +238,18 @@ def test_a_flight_is_kept_with_the_saved_design_alone(
     page = brought(FlownPage(session))
     after(page, page.begin)
     page._ending()
-    page._author.value = "Ann"
-    when_done(page._keep)
-    assert "kept with a saved design" in str(page._strip._text.object) + page._bar.message
+    session.author = "Ann"
+    assert "kept with a saved design" in asyncio.run(page._keep())
+    assert session.change({"name": "Alpha"}) is None  # as it is saved, which no figure follows from
     revision = shelf.save(session.budget, "Ann")
     session.came_from(revision)
-    when_done(page._keep)
+    assert not page._outdated
+    assert asyncio.run(page._keep()) == "The flight is kept with revision 1 of Alpha."
     (kept,) = flights_of(shelf, [revision.key])
     assert (kept.author, kept.verdict) == ("Ann", page.run.result.result.verdict)
     assert [name for name, _ in kept.files] == ["fixes.csv", "truth.csv"]
     assert kept.sentence == sentence(page.run.result.result)
+    assert session.change({"imu.angle_random_walk": 2e-5}) is None
+    assert "Computed before the change of angle random walk" in page._outdated
+    assert "against other inputs" in asyncio.run(page._keep())
     shelf.close()
