@@ -7,6 +7,8 @@ from app.charts.kinds import Dot, DotChart
 from app.document.numbers import number
 
 _COMING = "…"
+_WIDEST = 30.0
+"""The axis ends at so many times the limit, or the least value where that is more: an arrow stands for what is beyond."""
 
 
 def ranks_html(chart: DotChart, best: str = "") -> str:
@@ -47,26 +49,31 @@ def _tip(dot: Dot, chart: DotChart) -> str:
 
 
 class _LogScale:
-    """From a 1, 2 or 5 below everything that is shown to one above it."""
+    """From a 1, 2 or 5 below everything that is shown to one above it, or above what is near enough to compare."""
 
     def __init__(self, chart: DotChart) -> None:
         values = [v for dot in chart.dots for v in (dot.closed, dot.ensemble, dot.low, dot.high)] + [chart.limit]
         positive = [value for value in values if math.isfinite(value) and value > 0] or [1.0, 10.0]
+        ranked = [value for dot in chart.dots if (value := _value(dot)) > 0]
+        near = max(value for value in (min(ranked, default=0.0), chart.limit, 0.0) if not math.isnan(value))
+        most = min(max(positive), _WIDEST * near) if near else max(positive)
         self._low = _step(min(positive) / 1.5)
-        self._high = max(-_step(1 / max(positive)), self._low + 1)
+        self._high = max(-_step(1 / most), self._low + 1)
         self._limit = chart.limit
 
     def _share(self, value: float) -> float:
-        return 100 * (math.log10(value) - self._low) / (self._high - self._low) if value > 0 else 0.0
+        return min(100 * (math.log10(value) - self._low) / (self._high - self._low), 100.0) if value > 0 else 0.0
 
     def marks(self, dot: Dot) -> str:
-        """Bar to the rms of the runs, their band, the formula's diamond, and the limit."""
+        """Bar to the rms of the runs, their band, the formula's diamond, and the limit; an arrow for what is beyond."""
         html = ""
         if math.isfinite(dot.ensemble):
             low, high = self._share(dot.low), self._share(dot.high)
             html += f'<i style="width:{self._share(dot.ensemble):.2f}%"></i>'
             html += f'<s style="left:{low:.2f}%;width:{high - low:.2f}%"></s>'
-        if math.isfinite(dot.closed):
+        if _value(dot) > 10.0**self._high:
+            html += "<em>→</em>"
+        elif math.isfinite(dot.closed):
             html += f'<b style="left:{self._share(dot.closed):.2f}%"></b>'
         if math.isfinite(self._limit):
             html += f'<u style="left:{self._share(self._limit):.2f}%"></u>'

@@ -56,7 +56,7 @@ def flight_table(review: Review, flights: Sequence[KeptFlight]) -> TableBlock:
         )
         for flight in flights
     )
-    heads = ("Design", "Verdict", ("Values", 2.4), ("Files", 1.6), ("By", 1.2))
+    heads = ("Design", "Verdict", ("In words", 2.4), ("Files", 1.6), ("By", 1.2))
     return table("review-flown", "Flights held against these designs", heads, rows)
 
 

@@ -28,6 +28,7 @@ _INERTIAL = ("2", "3", "5", "5w")
 _FILTERED = ("4", "6", "7", "8", "9")
 _DEG = 180 / math.pi
 _COUNT = {4: "four", 5: "five"}
+_ARROW = "An arrow: beyond the axis, which ends at some 30 times the limit or the least value."
 
 
 def navigation_chart(study: SarStudy, keys: tuple[str, ...], title: str, name: str) -> Chart:
@@ -138,7 +139,7 @@ def _dot_chart(
         worst = percent(float(np.max(study.rms_error[1:] / study.rms[1:])))
         runs = f" Runs: {study.runs}, seed {study.seed}; standard error of the rms at most {worst}."
     millimetres = 1000 * float(phase_to_metres(1 / _DEG, budget.sar.wavelength))
-    return DotChart(key, title, label, tuple(dots), limit, millimetres, knowledge + runs)
+    return DotChart(key, title, label, tuple(dots), limit, millimetres, f"{knowledge}{runs} {_ARROW}")
 
 
 def _rank(dot: Dot) -> float:

@@ -74,6 +74,17 @@ def test_a_chart_is_drawn_elsewhere() -> None:
         html_of(ChartBlock("key", DotChart("key", "Title", "x [°]", (), 1.0, 1.0), "alt"))
 
 
+@pytest.mark.parametrize(("limit", "last"), [(20.0, 1000.0), (float("nan"), 1000.0), (900.0, 20_000.0)])
+def test_what_is_far_beyond_the_limit_does_not_stretch_the_axis_of_a_ranking(limit: float, last: float) -> None:
+    none = float("nan")
+    dots = tuple(Dot(f"{value}", value, none, none, none, "[S-5]") for value in (22.8, 54.7, 12_000.0))
+    page = parsed(ranks_html(DotChart("ranks", "Ranks", "rms [°]", dots, limit, 4.34)))
+    assert [float(span.text.replace("\u2009", "")) for span in page.find(".//tfoot").iter("span")][-1] == last
+    arrows = [text_of(row.find(".//em")) if row.find(".//em") is not None else "" for row in page.findall(".//tbody/tr")]
+    assert arrows == ["", "", "→" if last < 12_000.0 else ""]
+    assert "12" in text_of(page.findall(".//tbody/tr")[2].findall("td")[-1])  # the value itself stands beside it
+
+
 @pytest.mark.parametrize(("low", "high"), [(0.002, 0.7), (0.7, 0.9), (0.7, 40.0), (30.0, 1e3)])
 def test_marks_of_a_ranking_stand_at_their_values_on_its_axis(low: float, high: float) -> None:
     """Read back through the marks of the axis, as a person does."""
