@@ -8,7 +8,7 @@ from app.document.numbers import number
 
 _COMING = "…"
 _WIDEST = 30.0
-"""The axis ends at so many times the limit, or the least value where that is more: an arrow stands for what is beyond."""
+"""The axis ends at so many times the limit, or the least value where that is more; an arrow is for what is beyond."""
 
 
 def ranks_html(chart: DotChart, best: str = "") -> str:
@@ -65,7 +65,7 @@ class _LogScale:
         return min(100 * (math.log10(value) - self._low) / (self._high - self._low), 100.0) if value > 0 else 0.0
 
     def marks(self, dot: Dot) -> str:
-        """Bar to the rms of the runs, their band, the formula's diamond, and the limit; an arrow for what is beyond."""
+        """Bar to the rms of the runs, their band, the formula's diamond, the limit; an arrow for what is beyond."""
         html = ""
         if math.isfinite(dot.ensemble):
             low, high = self._share(dot.low), self._share(dot.high)

@@ -17,7 +17,7 @@ from nav_model.design.catalogue import Entry
 from nav_model.design.figures import figure_in_sentence
 from nav_model.design.parts import all_keys
 from nav_model.explore.levers import ASKED_FOR, GROUPS, OFFERED, Group, Lever, levers, one_currency
-from nav_model.explore.margins import limits, ratios_of_trials, value_of
+from nav_model.explore.margins import needed_limits, ratios_of_trials, value_of
 from nav_model.explore.rank import SENSORS
 
 MOST_LEVERS = 3
@@ -173,8 +173,7 @@ def closing_sets(
     [['Process after the flight'], ['Velocity fixes of 3 cm/s, Doppler'], ['DGNSS']]
     """
     imaged_inputs(design)
-    if not limits(design):
-        raise InputError("requirements", "none is given; give at least one limit to close")
+    needed_limits(design, "close")
     if not 1 <= at_most <= MOST_LEVERS:
         raise InputError("at_most", f"must be 1 to {MOST_LEVERS}", at_most)
     if not 0 <= reserve < 1:

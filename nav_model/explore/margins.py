@@ -6,11 +6,13 @@ from typing import cast
 import numpy as np
 
 from nav_model.base.arrays import Array
+from nav_model.base.errors import InputError
 from nav_model.budget import verdict
 from nav_model.budget.figures import figures
 from nav_model.budget.inputs import VARIABLES, VARYING_KEYS, Inputs, Replacement, inputs_of
 from nav_model.design import Design, Value
 from nav_model.design import figures as declared
+from nav_model.design.figures import figure_in_sentence
 from nav_model.design.parts import PRESET_KEYS, quantity
 
 ALL = "all requirements"
@@ -26,6 +28,27 @@ Columns = Mapping[str, Array | None]
 def limits(design: Design) -> dict[str, float]:
     """Limit at one sigma [SI] of every figure with a requirement, in the order of the verdict."""
     return {name: check.at_one_sigma for name, check in verdict.required(design).items()}
+
+
+def needed_limits(design: Design, purpose: str) -> dict[str, float]:
+    """`limits`, of which there is at least one; `purpose`: what they are for, as "close".
+
+    Raises
+    ------
+    InputError
+        Under "requirements": none is given, or a flight alone judges those that are.
+    """
+    by_figure = limits(design)
+    if not by_figure and (names := verdict.flown_names(design)):
+        judged = ", ".join(map(figure_in_sentence, names))
+        raise InputError(
+            "requirements",
+            f"a flight alone judges {judged}: ask `manoeuvre` what would meet it, or give a limit that a straight "
+            f"leg judges, to {purpose}",
+        )
+    if not by_figure:
+        raise InputError("requirements", f"none is given; give at least one limit to {purpose}")
+    return by_figure
 
 
 def ratios(design: Design, changes: Mapping[str, Replacement] | None = None) -> dict[str, Array]:

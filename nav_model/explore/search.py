@@ -16,7 +16,7 @@ from nav_model.design import Design, Value
 from nav_model.design.catalogue import OFFERED, Entry
 from nav_model.design.figures import FIGURES
 from nav_model.explore.levers import Biases, Lever, imu_lever, lacks, one_currency, receiver_lever
-from nav_model.explore.margins import Columns, alike, limits, ratios, worst
+from nav_model.explore.margins import Columns, alike, needed_limits, ratios, worst
 from nav_model.explore.rank import SENSORS, log_derivatives, stated
 
 OWN_IMU, OWN_GNSS = "your IMU", "your receiver"
@@ -111,8 +111,7 @@ def own_candidate(design: Design) -> Candidate:
 
 def _ranked(design: Design, pairs: Sequence[tuple[Lever, ...]]) -> list[Candidate]:
     """Candidates of a unit and a receiver each, the design's own where there is none."""
-    if not (names := list(limits(design))):
-        raise InputError("requirements", "none is given; give at least one limit to compare sensors with")
+    names = list(needed_limits(design, "compare sensors with"))
     as_it_is: dict[str, Value] = {
         "imu.angle_random_walk": design.imu.angle_random_walk
     }  # a column, also where nothing changes

@@ -18,14 +18,13 @@ from numpy.typing import NDArray
 from nav_model.aperture.geometry import WINDOW_WIDTH, cell_length
 from nav_model.base.arrays import Array
 from nav_model.base.dimensions import DIMENSIONS
-from nav_model.base.errors import InputError
 from nav_model.base.units import to_si
 from nav_model.budget import analyse
 from nav_model.budget.inputs import inputs_of
 from nav_model.budget.refusals import imaged_inputs
 from nav_model.design import Design
 from nav_model.design.parts import quantity
-from nav_model.explore.margins import ALL, least, limits, ratios
+from nav_model.explore.margins import ALL, least, needed_limits, ratios
 
 SOLVED = (
     "imu.angle_random_walk",
@@ -124,9 +123,7 @@ def solve(design: Design, *, verify: bool = True) -> tuple[Solution, ...]:
     ('imu.angle_random_walk', 'limited', '7.01e-06')
     """
     imaged_inputs(design)
-    names = list(limits(design))
-    if not names:
-        raise InputError("requirements", "none is given; give at least one limit to solve for")
+    names = list(needed_limits(design, "solve for"))
     keys = [key for key in SOLVED if key != "gnss.vertical_position_noise" or design[key] is not None]
     roots, outcomes = _roots(design, keys, names)
     solutions = []

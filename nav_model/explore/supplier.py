@@ -29,7 +29,7 @@ from nav_model.design import Design
 from nav_model.design.figures import RESPONSE
 from nav_model.design.parts import quantity
 from nav_model.design.user_entries import Allotment, UserEntries
-from nav_model.explore.margins import limits, ratios, worst
+from nav_model.explore.margins import needed_limits, ratios, worst
 from nav_model.explore.solve import rounded_offer
 
 Unit = Literal["imu", "gnss"]
@@ -97,8 +97,7 @@ def required(design: Design, unit: Unit) -> tuple[RequiredInput, ...]:
     now = _noises(design, unit)
     if frozen := {key: value for key, value, _ in design.allocation.required} if design.allocation else {}:
         return tuple(RequiredInput(key, frozen[key], value) for key, value in now.items() if key in frozen)
-    if not limits(design):
-        raise InputError("requirements", "none is given; give at least one limit to require values for")
+    needed_limits(design, "require values for")
     plan = design.allocation
     factors = _alike(design, unit) if plan is None else _allocated(design, unit, now)
     largest = {key: _allowed(key, (1 + _ROUNDING) * factors[key] * value) for key, value in now.items()}

@@ -15,7 +15,7 @@ from nav_model.design import Design, Value
 from nav_model.design.catalogue import Entry, catalogue
 from nav_model.design.figures import OF_BUDGET
 from nav_model.design.parts import quantity
-from nav_model.explore.margins import ALL, limits, ratios, usual_range, value_of, worst
+from nav_model.explore.margins import ALL, needed_limits, ratios, usual_range, value_of, worst
 
 SIZE = 64
 """Points along a side."""
@@ -115,8 +115,8 @@ def trade_map(design: Design, x_key: str, y_key: str, result: str = ALL, size: i
         raise InputError(y_key, "is on both axes; choose two different inputs")
     if result not in RESULTS:
         raise InputError("result", not_a_choice(result, RESULTS), result)
-    if result == ALL and not limits(design):
-        raise InputError("requirements", "none is given; give at least one limit, or map a single figure")
+    if result == ALL:
+        needed_limits(design, "map, or map a single figure")
     count = size or SIZE
     x, y = axis(design, x_key, count), axis(design, y_key, count)
     z = np.broadcast_to(_value(design, {x_key: x[None, :], y_key: y[:, None]}, result), (count, count))

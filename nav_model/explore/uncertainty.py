@@ -21,7 +21,7 @@ from nav_model.budget.inputs import VARIABLES
 from nav_model.budget.refusals import imaged_inputs
 from nav_model.design import Design
 from nav_model.design.parts import quantity
-from nav_model.explore.margins import limits, ratios, worst
+from nav_model.explore.margins import needed_limits, ratios, worst
 
 SCRAMBLINGS = 10
 POINTS = 1024  # of each; a power of two keeps the points balanced
@@ -150,9 +150,7 @@ def uncertain_verdict(
     imaged_inputs(design)
     if not inputs:
         raise InputError("uncertainty", "No input is uncertain. Give at least one range.")
-    names = list(limits(design))
-    if not names:
-        raise InputError("requirements", "The design has no requirement. Give at least one limit.")
+    names = list(needed_limits(design, "judge"))
     columns = _samples(inputs, seed, points)
     total = SCRAMBLINGS * points
     by_limit = {name: np.broadcast_to(ratio, total) for name, ratio in ratios(design, columns).items()}

@@ -10,7 +10,7 @@ import param
 from app.charts.kinds import to_csv
 from app.declared import chosen, required
 from app.document.bars import effects_html
-from app.document.blocks import Answer
+from app.document.blocks import Answer, Text
 from app.document.closing import (
     GROUP_WORDS,
     Way,
@@ -24,7 +24,7 @@ from app.document.closing import (
 from app.document.pane import html_of, prose
 from app.session import Session
 from app.subjects.explore.charts import rank_chart
-from app.subjects.explore.question import NO_LIMIT, Question
+from app.subjects.explore.question import Question, unlimited
 from app.subjects.explore.ranking import changes_that_close
 from app.subjects.explore.tables import headroom_answer, solved_blocks
 from app.ui.chart_pane import head_html
@@ -112,7 +112,8 @@ class ClosingPanel(Question):
         self._rank()
         if not budget.straight_leg().checks:
             self.run.cancel()
-            self._fill({}, NO_LIMIT)
+            answer = unlimited(budget)
+            self._fill({}, answer, html_of(Text(answer.sentences[0])), "", "")
             return
         self.answer = _COMPUTING
         self._ways = {}  # buttons of an earlier design do nothing

@@ -15,7 +15,7 @@ from app.document.blocks import Answer
 from app.document.verdict import before_flight
 from app.session import Session
 from app.subjects.explore.charts import map_chart
-from app.subjects.explore.question import NO_LIMIT, Question
+from app.subjects.explore.question import Question, unlimited
 from app.subjects.explore.sweep_inputs import input_labels
 from app.subjects.explore.tables import map_answer
 from app.ui.chart_pane import described, head_html
@@ -75,9 +75,7 @@ class MapPanel(Question):
             self.answer = Answer("Choose two different inputs", "warn", ("Both axes have the same input.",))
             return
         if self.result == ALL and not budget.straight_leg().checks:
-            self.answer = Answer(
-                NO_LIMIT.word, "open", ("Choose a single result, or give a limit under Requirements.",)
-            )
+            self.answer = unlimited(budget).more("Or choose a single result.")
             return
         chart = self._now()
         self.answer = map_answer(chart, self._value(budget, chart))

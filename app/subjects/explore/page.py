@@ -91,10 +91,10 @@ class ExplorePage(View):
             answer = answer.more(f"{assumed}, {SAID[verdict.processing]}.")
             if flown_names(budget.design):
                 word = answer.word.lstrip("✓✗ ")
-                whole = verdict_along(budget.verdict)
-                answer = replace(answer, word=f"Before the flight: {word[:1].lower()}{word[1:]}", tone="open").more(
-                    f"With the flight: {whole.word}. {whole.sentences[0]}", self.session.flight_words
-                )
+                answer = replace(answer, word=f"Before the flight: {word[:1].lower()}{word[1:]}", tone="open")
+        if self.question.of_design and flown_names(budget.design):
+            whole = verdict_along(budget.verdict)
+            answer = answer.more(f"With the flight: {whole.word}. {whole.sentences[0]}", self.session.flight_words)
         self._strip.show(answer, self.session.refused)
 
     def go_to(self, place: str) -> None:

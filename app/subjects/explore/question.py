@@ -10,11 +10,18 @@ from app.declared import declared, required
 from app.document.blocks import Answer
 from app.session import Session
 from nav_model.budget import Budget
+from nav_model.budget.verdict import flown_names
 from nav_model.explore.levers import Biases
 
+_ALONG = Answer("Judged along the flight alone", "open", ("What would close it is on Flight, below the charts.",))
 NO_LIMIT = Answer(
     "No requirement is set", "open", ("Give a limit under Requirements to see which values and sensors meet it.",)
 )
+
+
+def unlimited(budget: Budget) -> Answer:
+    """The answer where the straight leg judges nothing: a flight does alone, or nothing is limited."""
+    return _ALONG if flown_names(budget.design) else NO_LIMIT
 
 
 class Question(pn.viewable.Viewer, param.ParameterizedABC):

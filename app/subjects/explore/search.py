@@ -18,7 +18,7 @@ from app.library.offers import keep_offers, library_files, remove_offers
 from app.library.place import library
 from app.session import Session
 from app.subjects.explore.console import candidate
-from app.subjects.explore.question import NO_LIMIT, Question
+from app.subjects.explore.question import Question, unlimited
 from app.subjects.explore.ranking import Ranking, ranked
 from app.subjects.explore.tables import search_answer, search_table
 from app.ui.chart_pane import source_note
@@ -130,7 +130,7 @@ class SearchPanel(Question):
         self._in_worker = False
         if not budget.straight_leg().checks:
             self.run.cancel()
-            self._show_ranking(Ranking(), NO_LIMIT)
+            self._show_ranking(Ranking(), unlimited(budget))
             return
         imus, receivers = self._entries("imu"), {} if self.own else self._entries("gnss")
         question = budget.design, imus, receivers, self.biases

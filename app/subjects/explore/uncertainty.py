@@ -15,7 +15,7 @@ from app.document.pane import html_of
 from app.document.wording import box_text
 from app.session import Session
 from app.subjects.explore.charts import margin_chart
-from app.subjects.explore.question import NO_LIMIT, Question
+from app.subjects.explore.question import Question, unlimited
 from app.subjects.explore.tables import uncertain_answer, uncertain_table
 from app.ui.chart_pane import source_note
 from app.ui.first_screen import first_screen
@@ -184,7 +184,7 @@ class UncertaintyPanel(Question):
         self._table.object = ""
         if not self.session.budget.straight_leg().checks:
             self.run.cancel()
-            self.answer = NO_LIMIT
+            self.answer = unlimited(self.session.budget)
             return
         design, texts = self.session.design, self._texts() or self._assumed()
         try:

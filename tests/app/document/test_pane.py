@@ -80,7 +80,9 @@ def test_what_is_far_beyond_the_limit_does_not_stretch_the_axis_of_a_ranking(lim
     dots = tuple(Dot(f"{value}", value, none, none, none, "[S-5]") for value in (22.8, 54.7, 12_000.0))
     page = parsed(ranks_html(DotChart("ranks", "Ranks", "rms [°]", dots, limit, 4.34)))
     assert [float(span.text.replace("\u2009", "")) for span in page.find(".//tfoot").iter("span")][-1] == last
-    arrows = [text_of(row.find(".//em")) if row.find(".//em") is not None else "" for row in page.findall(".//tbody/tr")]
+    arrows = [
+        text_of(row.find(".//em")) if row.find(".//em") is not None else "" for row in page.findall(".//tbody/tr")
+    ]
     assert arrows == ["", "", "→" if last < 12_000.0 else ""]
     assert "12" in text_of(page.findall(".//tbody/tr")[2].findall("td")[-1])  # the value itself stands beside it
 

@@ -31,7 +31,8 @@ from app.subjects.explore.sweep import SweepPanel
 from app.subjects.explore.tables import uncertain_table
 from app.subjects.explore.uncertainty import range_of, row_of
 from app.work.run import Run
-from nav_model import read_design
+from nav_model import closing_sets, read_design
+from nav_model.base.errors import InputError
 from nav_model.budget import analyse
 from nav_model.design.catalogue import catalogue
 from nav_model.design.contributors import Contributor
@@ -578,6 +579,23 @@ def test_what_is_below_a_strip_is_of_the_straight_leg_and_says_so_where_a_flight
         lines = {look.line_color for look in looks if isinstance(look, LineGlyph)}
         assert (red in lines) is not decides
         assert not {STYLES[band.style].colour for band in histogram.bands} & {red, STYLES["closes"].colour}
+
+
+def test_a_limit_that_a_flight_alone_judges_is_a_limit() -> None:
+    keys = [
+        key for key, value in first_design().items() if key.startswith("requirements.") and isinstance(value, float)
+    ]
+    changes = dict.fromkeys(key for key in keys if "conf" not in key)
+    explore = ExplorePage(Session(first_design().replace({**changes, "requirements.heading": 1e-3})))
+    for question in ("What would close it", "Sensors that pass", "Probability"):
+        _ask(explore, question)
+        said = explore._strip._text.object
+        assert "Judged along the flight alone" in said
+        assert "With the flight: Open" in said
+        assert "No requirement" not in said
+    assert "below the charts" in _ask(explore, "What would close it")._sets.html
+    with pytest.raises(InputError, match=r"^requirements: a flight alone judges heading: ask `manoeuvre`"):
+        closing_sets(explore.session.design)
 
 
 def test_advice_is_tried_and_the_contributor_that_alone_exceeds_a_limit_is_named() -> None:
