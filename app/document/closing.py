@@ -31,6 +31,8 @@ GROUP_WORDS: Mapping[Group, str] = {
     "radar": "Resolution",
 }
 """Group of levers -> its name on the page."""
+ON_FLIGHT = "What would close it is on Flight, below the charts."
+"""Said where a flight alone judges a design."""
 SHORT = 3  # sets beside a verdict
 _SLIM = 0.05  # of a limit
 

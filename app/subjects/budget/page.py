@@ -17,6 +17,7 @@ from app.declared import required
 from app.document.bars import bars_html
 from app.document.blocks import Answer, Block, KeyFigures, Text
 from app.document.closing import (
+    ON_FLIGHT,
     Way,
     closing_block,
     closing_options,
@@ -243,7 +244,8 @@ class BudgetPage(View):
         asked, budget, offers = self._asked, self.session.budget, self.session.offers
         ways: Mapping[str, Way | LeverSet] = {}
         if not budget.straight_leg().checks:
-            block: Block = Text("Give a limit under Requirements. What meets it then appears here.")
+            nothing = "Give a limit under Requirements. What meets it then appears here."
+            block: Block = Text(ON_FLIGHT if flown_names(budget.design) else nothing)
         elif budget.straight_leg().closes:
             largest = await run_in_pool(largest_values, budget.design)
             block, ways = _largest(budget, largest), {way.text: way for way in largest}

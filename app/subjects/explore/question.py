@@ -8,12 +8,13 @@ import param
 
 from app.declared import declared, required
 from app.document.blocks import Answer
+from app.document.closing import ON_FLIGHT
 from app.session import Session
 from nav_model.budget import Budget
 from nav_model.budget.verdict import flown_names
 from nav_model.explore.levers import Biases
 
-_ALONG = Answer("Judged along the flight alone", "open", ("What would close it is on Flight, below the charts.",))
+_ALONG = Answer("Judged along the flight alone", "open", (ON_FLIGHT,))
 NO_LIMIT = Answer(
     "No requirement is set", "open", ("Give a limit under Requirements to see which values and sensors meet it.",)
 )

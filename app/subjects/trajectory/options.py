@@ -30,8 +30,8 @@ def options_answer(answer: Manoeuvres) -> Answer:
         return Answer(word, "bad", ("The table has what each changes.", *note))
     shortest, bought = closing[0], [option for option in closing[1:] if option.kind != "manoeuvre"]
     ways = "; or ".join(map(_in_words, (shortest, *bought)))
-    word = f"✓ {len(closing)} option{'' if len(closing) == 1 else 's'} for {lines_in_words(answer.lines)}"
-    return Answer(word, "good", (f"{ways[:1].upper()}{ways[1:]}.", *note))
+    word = f"{len(closing)} option{'' if len(closing) == 1 else 's'} for {lines_in_words(answer.lines)}"
+    return Answer(word, "open", (f"{ways[:1].upper()}{ways[1:]}.", *note))
 
 
 def options_table(answer: Manoeuvres, design: Design, key: str = "trajectory-options") -> TableBlock:
