@@ -20,3 +20,8 @@ def as_numbers(x: ArrayLike) -> Array:
         return array
     numbers: Array = x if isinstance(x, Traced) else array.astype(float)
     return numbers
+
+
+def interpolated(time: Array, stamps: Array, values: Array) -> Array:
+    """Columns of values (n, k), known at `stamps` (n,), linearly between them at other times (m,): (m, k)."""
+    return np.column_stack([np.interp(time, stamps, column) for column in values.T])

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from nav_model.base.arrays import interpolated
 from nav_model.budget.inputs import Inputs
 from nav_model.design.figures import IN_FLIGHT, PARTS_OF_PHASES
 from nav_model.flown.budgeted import Budgeted, Square
@@ -110,7 +111,7 @@ def _of_white(stretch: Stretch, compared: Compared, begin: FloatArray, x: Inputs
     variance = np.mean(np.diff(compared.position[inside], n=3, axis=0) ** 2, axis=0) / 20.0
     step, T = float(np.median(np.diff(compared.time_s))), float(x.aperture)
     count = T / step
-    middle = np.column_stack([np.interp(begin[:1] + 0.5 * T, compared.time_s, axis) for axis in compared.track.T])
+    middle = interpolated(begin[:1] + 0.5 * T, compared.time_s, compared.track)
     sums, sight = aperture.sums_of(middle, x)
     of_orders = (2 * np.arange(aperture.ORDERS) + 1) / count
     columns = np.einsum("acmx,m,x->ac", sums**2, of_orders, variance)
@@ -139,13 +140,13 @@ def sums_of_samples(
     array (apertures, COLUMNS), array (apertures,)
     """
     T = float(x.aperture)
-    in_middle = np.column_stack([np.interp(begin + 0.5 * T, time, axis) for axis in track.T])
+    in_middle = interpolated(begin + 0.5 * T, time, track)
     sums, sight = aperture.sums_of(in_middle, x)
     columns, rest = np.zeros((len(begin), aperture.COLUMNS)), np.zeros(len(begin))
     for a, start in enumerate(begin):
         inside = slice(np.searchsorted(time, start, side="right"), np.searchsorted(time, start + T))
         t = np.concatenate([[start], time[inside], [start + T]])
-        ends = np.column_stack([np.interp(t[[0, -1]], time, axis) for axis in position.T])
+        ends = interpolated(t[[0, -1]], time, position)
         error = np.vstack([ends[:1], position[inside], ends[1:]])
         u = 2.0 * (t - start) / T - 1.0
         weight = 0.5 * np.diff(u)

@@ -6,12 +6,14 @@ correlation (Newey and West 1987). What the track cannot part stays in the diffe
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.base.arrays import interpolated
 from nav_model.base.errors import InputError
 from nav_model.earth.rotation import matrix_from_euler
 from nav_model.earth.wgs84 import metres_per_radian
@@ -108,8 +110,7 @@ def compare(x: Solution, y: Solution, rate: float = 100.0, *, remove_lag: bool =
     start = _lag_of_velocities(x, y)
     lag, fit = start, None
     for _ in range(3):  # the interpolated reference moves with the lag
-        common = _difference(x, y, lag, rate)
-        fit = _fit(common, lag)
+        fit = _fit(_difference(x, y, lag, rate))
         if not fit.parted or abs(fit.change) < 1e-4:
             break
         lag += fit.change
@@ -119,24 +120,15 @@ def compare(x: Solution, y: Solution, rate: float = 100.0, *, remove_lag: bool =
     common = _difference(x, y, lag if removed else 0.0, rate)
     if math.isclose(abs(lag), _LEAP, abs_tol=0.1):
         notes = (*notes, f"a lag of {lag:.1f} s is UTC beside GPS time: one of the two has the other clock")
-    refit = _fit(common, lag if removed else 0.0)
-    lever_arm = refit.lever_arm
-    if lever_arm is not None and any(arm.removed for arm in lever_arm) and common["attitude_y"] is not None:
+    refit = _fit(common)
+    position, lever_arm = common.position, refit.lever_arm
+    if common.matrix is not None and lever_arm is not None and any(arm.removed for arm in lever_arm):
         arm = np.array([each.value for each in lever_arm])
-        common["position"] = common["position"] - common["matrix"][:, :, : len(arm)] @ arm
+        position = position - common.matrix[:, :, : len(arm)] @ arm
     return Compared(
-        common["time"],
-        common["position"],
-        common["velocity"],
-        common["attitude"],
-        common["track"],
-        Fitted(lag, fit.lag_sigma, removed),
-        lever_arm,
-        refit.offset,
-        float(y.time_s[0] - first),
-        refit.remark,
-        notes,
-    )
+        common.time, position, common.velocity, common.attitude, common.track, Fitted(lag, fit.lag_sigma, removed),
+        lever_arm, refit.offset, float(y.time_s[0] - first), refit.remark, notes,
+    )  # fmt: skip
 
 
 def _on_clock(y: Solution, x: Solution) -> tuple[Solution, tuple[str, ...]]:
@@ -180,8 +172,7 @@ def _lag_of_velocities(x: Solution, y: Solution) -> float:
     sampled = []
     for solution in (x, y):
         grid = np.arange(solution.time_s[0], solution.time_s[-1], step)
-        velocity = _velocity(solution)
-        sampled.append(np.column_stack([np.interp(grid, solution.time_s, axis) for axis in velocity[:, :2].T]))
+        sampled.append(interpolated(grid, solution.time_s, _velocity(solution)[:, :2]))
     a, b = sampled
     if not any_lag and last - first > 10 * max(x.duration_s, y.duration_s):
         return 0.0
@@ -207,7 +198,20 @@ def _lag_of_velocities(x: Solution, y: Solution) -> float:
     return float(shift[best])
 
 
-def _difference(x: Solution, y: Solution, lag: float, rate: float) -> dict[str, Any]:
+@dataclass(frozen=True, eq=False)
+class _Common:
+    """Difference x less y at common times, as in `Compared`; matrix: rotations (n, 3, 3) from the body to north,
+    east, down, of y's attitude, else of x's; None where neither has one."""
+
+    time: FloatArray
+    position: FloatArray
+    velocity: FloatArray | None
+    attitude: FloatArray | None
+    track: FloatArray
+    matrix: FloatArray | None
+
+
+def _difference(x: Solution, y: Solution, lag: float, rate: float) -> _Common:
     """x less y at common times, the reference taken `lag` [s] before."""
     from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
@@ -239,23 +243,22 @@ def _difference(x: Solution, y: Solution, lag: float, rate: float) -> dict[str, 
     if float(np.median(np.linalg.norm(position[:, :2], axis=1))) > 50_000.0:
         raise InputError("reference", "is of another place, more than 50 km away. Give that of the same flight.")
 
-    def at_times(solution: Solution, name: str, at: FloatArray) -> FloatArray | None:
-        values = getattr(solution, name)
-        return None if values is None else np.column_stack([np.interp(at, solution.time_s, v) for v in values.T])
-
-    velocity, attitude = None, None
-    pairs = {name: (at_times(x, name, time), at_times(y, name, time - lag)) for name in ("velocity", "attitude")}
-    if pairs["velocity"][0] is not None and pairs["velocity"][1] is not None:
-        velocity = pairs["velocity"][0] - pairs["velocity"][1]
-    if pairs["attitude"][0] is not None and pairs["attitude"][1] is not None:
-        attitude = pairs["attitude"][0] - pairs["attitude"][1]
+    velocity = _less(_at(time, x, x.velocity), _at(time - lag, y, y.velocity))
+    euler = _at(time, x, x.attitude), _at(time - lag, y, y.attitude)
+    attitude = _less(*euler)
+    if attitude is not None:
         attitude -= 2.0 * math.pi * np.round(attitude / (2.0 * math.pi))
-    turned = pairs["attitude"][1] if pairs["attitude"][1] is not None else pairs["attitude"][0]
-    track = np.column_stack([np.interp(time - lag, y.time_s, axis) for axis in _velocity(y).T])
-    return {
-        "time": time, "position": position, "velocity": velocity, "attitude": attitude, "track": track,
-        "attitude_y": turned, "matrix": None if turned is None else matrix_from_euler(*turned.T),
-    }  # fmt: skip
+    body = euler[0] if euler[1] is None else euler[1]
+    track = interpolated(time - lag, y.time_s, _velocity(y))
+    return _Common(time, position, velocity, attitude, track, None if body is None else matrix_from_euler(*body.T))
+
+
+def _at(time: FloatArray, solution: Solution, values: FloatArray | None) -> FloatArray | None:
+    return None if values is None else interpolated(time, solution.time_s, values)
+
+
+def _less(a: FloatArray | None, b: FloatArray | None) -> FloatArray | None:
+    return None if a is None or b is None else a - b
 
 
 @dataclass(frozen=True)
@@ -270,15 +273,15 @@ class _Fit:
     remark: str
 
 
-def _fit(common: dict[str, Any], lag: float) -> _Fit:
+def _fit(common: _Common) -> _Fit:
     """Lag, lever arm and offset fitted to a difference together, outliers aside."""
-    thin = max(1, len(common["time"]) // _MOST_FITTED)
-    d, track = common["position"][::thin], common["track"][::thin]
+    thin = max(1, len(common.time) // _MOST_FITTED)
+    d, track = common.position[::thin], common.track[::thin]
     count = len(d)
-    groups = {"lag": -track[:, :, None], "offset": np.broadcast_to(np.eye(3), (count, 3, 3))}
-    if common["matrix"] is not None:
-        level, down = common["matrix"][::thin, :, :2], common["matrix"][::thin, :, 2:]
-        groups = {"lag": groups["lag"], "lever arm": level, "lever arm down": down, "offset": groups["offset"]}
+    groups = {"lag": -track[:, :, None]}
+    if common.matrix is not None:
+        groups |= {"lever arm": common.matrix[::thin, :, :2], "lever arm down": common.matrix[::thin, :, 2:]}
+    groups["offset"] = np.broadcast_to(np.eye(3), (count, 3, 3))
     there = np.ones(count, dtype=np.bool_)
     for _ in range(2):
         values, sigma, parted = _parted(groups, d, there)
@@ -306,7 +309,7 @@ def _fit(common: dict[str, Any], lag: float) -> _Fit:
 
 
 def _parted(
-    groups: dict[str, Any], d: FloatArray, there: NDArray[np.bool_]
+    groups: Mapping[str, FloatArray], d: FloatArray, there: NDArray[np.bool_]
 ) -> tuple[dict[str, FloatArray], dict[str, FloatArray], bool]:
     """Values and sigmas by group, without those that the track does not part: the lever arm first, then the lag,
     whose sigma then is that of it alone."""
@@ -325,11 +328,11 @@ def _parted(
 
 
 def _least_squares(
-    groups: dict[str, Any], d: FloatArray, there: NDArray[np.bool_]
+    groups: Mapping[str, FloatArray], d: FloatArray, there: NDArray[np.bool_]
 ) -> tuple[dict[str, FloatArray], dict[str, FloatArray], dict[str, float]]:
     """Least squares of a difference (n, 3): values, sigmas by the residual's own correlation over time, and by how
     much the others make the sigma of a group larger than it is alone."""
-    design = np.concatenate([np.asarray(part, dtype=np.float64) for part in groups.values()], axis=2)[there]
+    design = np.concatenate([*groups.values()], axis=2)[there]
     values = d[there]
     scale = np.maximum(np.sqrt(np.sum(design**2, axis=(0, 1))), 1e-12)
     a = design / scale
@@ -346,7 +349,7 @@ def _least_squares(
     inflated = np.sqrt(np.diag(normal) * np.diag(squares))
     places, first = dict[str, slice](), 0
     for name, part in groups.items():
-        places[name] = slice(first, first + np.shape(part)[2])
+        places[name] = slice(first, first + part.shape[2])
         first = places[name].stop
     return (
         {name: (solution / scale)[at] for name, at in places.items()},

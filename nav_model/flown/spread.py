@@ -19,6 +19,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.base.arrays import interpolated
 from nav_model.budget.inputs import Inputs
 from nav_model.trajectory.aperture import Apertures, steps_of, sums_of
 from nav_model.trajectory.errors import ErrorModel
@@ -48,7 +49,7 @@ def of_images(model: ErrorModel, x: Inputs, apertures: Apertures) -> Sums:
     m, shape = model.states.estimated, apertures.weights.shape
     both = np.zeros((2, *shape[:3], m))
     middle = apertures.begin + 0.5 * x.aperture
-    velocity = np.column_stack([np.interp(middle, model.time_s, axis) for axis in model.truth.velocity.T])
+    velocity = interpolated(middle, model.time_s, model.truth.velocity)
     ends = (apertures.first, apertures.last, apertures.begin)
     for step, on, of_ends in steps_of(model.time_s, *ends, float(x.aperture), sums_of(velocity, x)[0]):
         both[0, on, step, :, :6] += of_ends[0]

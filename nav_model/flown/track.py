@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from nav_model.base.arrays import interpolated
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
 from nav_model.earth.wgs84 import metres_per_radian
@@ -150,7 +151,7 @@ def stretches_of(design: Design, solution: Solution, begin: float, end: float) -
         Between which times of its clock [s].
     """
     time = np.arange(begin, end, 1.0)
-    place = np.column_stack([np.interp(time, solution.time_s, axis) for axis in solution.place.T])
+    place = interpolated(time, solution.time_s, solution.place)
     north, east = metres_per_radian(place[:, 0], place[:, 2])
     velocity = np.gradient(place[:, :2], time, axis=0) * np.column_stack([north, east])
     if design.trajectory.planned and (lines := _matched(design, time, place, velocity)):

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from nav_model.analytic.turning import LEFT_OF_ORDER
 from nav_model.aperture.autofocus import KINDS
+from nav_model.base.arrays import interpolated
 from nav_model.base.errors import InputError
 from nav_model.budget.inputs import Inputs
 from nav_model.processing.geolocation import Shifts
@@ -66,7 +67,7 @@ def apertures_of(model: ErrorModel, x: Inputs, interval: float) -> Apertures:
     fixes = np.concatenate([[-np.inf], time_s[model.is_fix]])
     last_fix = fixes[np.searchsorted(fixes, begin + _ROUNDING, side="right") - 1]
     begin = np.where(begin - last_fix < interval * (1.0 + 1e-9), last_fix, begin)
-    in_middle = np.column_stack([np.interp(begin + half, time_s, axis) for axis in model.truth.velocity.T])
+    in_middle = interpolated(begin + half, time_s, model.truth.velocity)
     speed = np.linalg.norm(in_middle[:, :2], axis=1)
     inside = (begin >= 0.0) & (begin + x.aperture <= model.end_s) & (speed > _SLOWEST)
     return apertures_at(model, x, begin[inside], np.flatnonzero(inside))
@@ -93,7 +94,7 @@ def apertures_at(model: ErrorModel, x: Inputs, begin: FloatArray, output: NDArra
     if len(output) * nodes > _MOST_WEIGHTS:
         reason = f"{len(output)} apertures of {nodes} steps are too many. Give fewer results or a shorter aperture."
         raise InputError("every", reason)
-    in_middle = np.column_stack([np.interp(begin + half, time_s, axis) for axis in model.truth.velocity.T])
+    in_middle = interpolated(begin + half, time_s, model.truth.velocity)
     sums, sight = sums_of(in_middle, x)
     weights = np.zeros((len(begin), nodes, COLUMNS, 6))
     for step, on, of_ends in steps_of(time_s, first, last, begin, float(x.aperture), sums):
