@@ -19,6 +19,8 @@ from nav_model.trajectory.passes import DIFFERENCE
 
 FloatArray = NDArray[np.float64]
 _CONFIDENCE = 0.95
+LEAST_FREEDOM = 5.0
+"""Degrees of freedom from which a band gives a verdict."""
 
 
 @dataclass(frozen=True, eq=False)

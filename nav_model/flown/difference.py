@@ -15,13 +15,12 @@ from scipy.optimize import brentq
 
 from nav_model.base.units import time_in_words
 from nav_model.budget.verdict import confidence_of
-from nav_model.flown.budgeted import Budgeted, Square, band
+from nav_model.flown.budgeted import LEAST_FREEDOM, Budgeted, Square, band
 from nav_model.flown.images import FIGURES_FLOWN, Images
 from nav_model.flown.result import ALL, CONSISTENT, FEW, LESS, MORE, FlownLine, FlownVerdict, Measured
 from nav_model.flown.track import Stretch
 
 FloatArray = NDArray[np.float64]
-_LEAST_FREEDOM = 5.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +106,7 @@ def _measured(name: str, square: Square, limit: float | None, budgeted: Budgeted
     low, high = (square.seen * part for part in band(square.freedom))
     navigation = math.sqrt(max(square.seen + square.beyond, 0.0) / square.budget) if square.budget else math.nan
     against = ""
-    if square.freedom >= _LEAST_FREEDOM:
+    if square.freedom >= LEAST_FREEDOM:
         sides = (low + square.beyond > square.budget, high + square.beyond < square.budget)
         against = MORE if sides[0] else LESS if sides[1] else CONSISTENT
     verdict, reason = _decided(level, square, (low, high), whole, duration)
@@ -126,8 +125,8 @@ def _decided(
         return "", square.refused
     if square.refused:
         return "cannot be told", square.refused
-    if square.freedom < _LEAST_FREEDOM:
-        few = f"{square.freedom:.1f} {FEW} {_LEAST_FREEDOM:.0f}"
+    if square.freedom < LEAST_FREEDOM:
+        few = f"{square.freedom:.1f} {FEW} {LEAST_FREEDOM:.0f}"
         return "cannot be told", few
     low, high = (whole(one) for one in ends)
     if high <= level:

@@ -1,9 +1,12 @@
 """Where a difference of two solutions jumps: resets, gaps and changes of fix."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.units import time_in_words
+from nav_model.flown.budgeted import Budgeted
 from nav_model.flown.relation import Compared
 from nav_model.flown.result import Jump
 from nav_model.flown.solution import Solution
@@ -48,3 +51,22 @@ def jumps_of(compared: Compared, x: Solution, interval: float, step_sigma: float
             jumps.append(Jump(float(x.time_s[n + 1]), float(size[near]), f"{names[0]} to {names[1]}"))
     jumps = sorted(jumps, key=lambda jump: jump.size_m, reverse=True)[:_MOST]
     return tuple(sorted(jumps, key=lambda jump: jump.time_s))
+
+
+def step_sigma(budgeted: Budgeted, compared: Compared) -> float:
+    """Move of a position from sample to sample by the budget [m]: by the error of velocity where that is
+    largest, and of a filter's output by a fix, the root mean square of K S K'."""
+    model, run = budgeted.followed.model, budgeted.followed.run
+    speed = math.sqrt(float(budgeted.states(budgeted.processing)[:, 3:6].max()))
+    moved = speed * float(np.median(np.diff(compared.time_s)))
+    if budgeted.post_processed:
+        return moved
+    fixes = np.flatnonzero(model.is_fix)
+    if not fixes.size:
+        return moved
+    taken = []
+    for node in fixes[:: max(1, len(fixes) // 200)]:
+        H, K = model.rows[node][:, : model.states.estimated], run.gain[node]
+        S = np.linalg.inv(np.eye(len(H)) - H @ K) * model.variance[node]  # R = (I - H K) S
+        taken.append(np.diag(K @ S @ K.T)[:3].max())
+    return math.hypot(moved, math.sqrt(float(np.mean(taken))))

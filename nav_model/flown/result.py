@@ -59,6 +59,21 @@ class FlownLine:
 
 
 @dataclass(frozen=True)
+class Claimed:
+    """Claimed and budgeted sigma of a figure on a line, in SI, both at the confidence and of the worst axis; limit:
+    None where nothing limits it."""
+
+    claimed: float
+    budget: float
+    limit: float | None
+
+    @property
+    def claimed_to_be_met(self) -> bool | None:
+        """True where the claim is within the limit; None without one."""
+        return None if self.limit is None else self.claimed <= self.limit
+
+
+@dataclass(frozen=True)
 class Jump:
     """A step of the difference: when, how far, and why."""
 
@@ -82,7 +97,7 @@ class Series:
 class FlownResult:
     """A solution against the budget of a design along its own track.
 
-    claims: by line and figure, claimed and budgeted sigma at the confidence, with whether it is claimed to be met.
+    claims: by line and figure.
     nees: mean normalised square of the position's difference by the claims over its dimension, its band, and the
     factor that would make the claims true; empty without claims on both sides. receiver: as `noise_fit` gives it.
     noise: how many times as noisy "imu" and "gnss" were as their design.
@@ -98,7 +113,7 @@ class FlownResult:
     compared: Compared | None
     jumps: tuple[Jump, ...]
     lines: tuple[FlownLine, ...]
-    claims: Mapping[str, Mapping[str, Mapping[str, Any]]]
+    claims: Mapping[str, Mapping[str, Claimed]]
     nees: Mapping[str, float]
     receiver: Mapping[str, Any]
     noise: Mapping[str, Factor]
@@ -187,7 +202,10 @@ def to_json(result: FlownResult) -> dict[str, Any]:
             }
             for line in result.lines
         ],
-        "claims": result.claims,
+        "claims": {
+            line: {name: asdict(one) | {"claimed_to_be_met": one.claimed_to_be_met} for name, one in figures.items()}
+            for line, figures in result.claims.items()
+        },
         "nees": result.nees,
         "receiver": result.receiver,
         "noise": {name: asdict(factor) for name, factor in result.noise.items()},

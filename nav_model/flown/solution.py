@@ -15,8 +15,8 @@ _GAP = 5.0  # median steps
 class Claims:
     """Accuracies that a file claims for its own solution, at the times of it: 1 sigma per axis, NaN at times without.
 
-    kind: as the file prints them: "sigma", "cep", "drms" (both brought to 1 sigma), or "test ratio", which is no
-    accuracy. position: north, east, down [m]. velocity: north, east, down [m/s]. attitude: roll, pitch, true heading
+    kind: as the file prints them: "sigma", "cep", "drms" (both brought to 1 sigma).
+    position: north, east, down [m]. velocity: north, east, down [m/s]. attitude: roll, pitch, true heading
     [rad]. Shape (n, 3) each; None: no claim.
     """
 
@@ -24,6 +24,18 @@ class Claims:
     position: Array | None = None
     velocity: Array | None = None
     attitude: Array | None = None
+
+    @property
+    def by_axis(self) -> Array:
+        """Sigmas of position, velocity and attitude (n, 9), NaN where there is no claim."""
+        return nine_columns(self.position, self.velocity, self.attitude)
+
+
+def nine_columns(position: Array | None, velocity: Array | None, attitude: Array | None) -> Array:
+    """Position, velocity and attitude beside each other (n, 9), NaN for what is None; one at least is not."""
+    parts = (position, velocity, attitude)
+    empty = np.full_like(next(part for part in parts if part is not None), np.nan)
+    return np.hstack([empty if part is None else part for part in parts])
 
 
 @dataclass(frozen=True, eq=False)

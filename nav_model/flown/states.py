@@ -10,7 +10,7 @@ from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.flown.budgeted import Budgeted, Square, band
 from nav_model.flown.noise_scale import Scale
 from nav_model.flown.relation import Compared
-from nav_model.flown.solution import Solution
+from nav_model.flown.solution import Solution, nine_columns
 from nav_model.flown.spread import Error, covariance_of, freedom, of_states
 from nav_model.flown.track import Stretch
 from nav_model.trajectory.passes import DIFFERENCE
@@ -40,17 +40,16 @@ def seen_on(stretch: Stretch, budgeted: Budgeted, compared: Compared) -> Seen | 
     """The difference on a line; None where nothing is."""
     on = np.flatnonzero(budgeted.on(stretch, image=False))
     inside = (compared.time_s >= stretch.start) & (compared.time_s <= stretch.stop)
-    time, count = compared.time_s[inside], len(compared.time_s)
+    time = compared.time_s[inside]
     if not on.size or len(time) < 2:
         return None
-    parts = [compared.position, compared.velocity, compared.attitude]
-    d = np.hstack([np.full((count, 3), np.nan) if part is None else part for part in parts])[inside]
+    d = nine_columns(compared.position, compared.velocity, compared.attitude)[inside]
     # Which values stand for themselves: from some of the results, evenly.
     chosen = on[np.unique(np.linspace(0, len(on) - 1, min(len(on), _MOST)).astype(np.int64))]
     model, run = budgeted.followed.model, budgeted.followed.run
     error: Error = "output" if budgeted.relation == "reverse" else budgeted.error
     C = covariance_of(model, run, budgeted.adjoint, of_states(model, chosen), error)
-    return Seen(np.trapezoid(d**2, time, axis=0) / np.ptp(time), on, C, time)
+    return Seen(np.asarray(np.trapezoid(d**2, time, axis=0) / np.ptp(time)), on, C, time)
 
 
 def states_of(seen: Seen, budgeted: Budgeted, scale: Scale, reference: Solution) -> dict[str, Square]:
@@ -124,13 +123,10 @@ def _beyond(
         backward = 1.0 / np.maximum(1.0 / smoothed - 1.0 / forward, 1e-12 / forward)
         return forward / (forward + backward), np.zeros(AXES), refused
     claimed = np.zeros(AXES)
-    if reference.claims is not None and reference.claims.kind != "test ratio":
+    if reference.claims is not None:
         near = np.clip(np.searchsorted(reference.time_s, seen.time_s), 0, len(reference.time_s) - 1)
-        for first, part in enumerate(
-            (reference.claims.position, reference.claims.velocity, reference.claims.attitude)
-        ):
-            if part is not None and np.isfinite(part[near]).any(axis=0).all():
-                claimed[3 * first : 3 * first + 3] = np.nanmean(part[near] ** 2, axis=0)
+        sigma = reference.claims.by_axis[near]
+        claimed = np.nansum(sigma**2, axis=0) / np.maximum(np.isfinite(sigma).sum(axis=0), 1)
     for axis in np.flatnonzero(claimed > 0.5 * seen.mean_square):
         refused[axis] = "the reference's claim is more than half of the difference"
     return np.ones(AXES), -claimed, refused

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,13 +10,13 @@ from scipy.stats import chi2, norm
 
 from nav_model.base.errors import InputError
 from nav_model.budget.inputs import inputs_of
-from nav_model.budget.verdict import confidence_of
 from nav_model.design import Design
 from nav_model.design.processing import POST_PROCESSED, REAL_TIME
 from nav_model.flown.budgeted import Budgeted
+from nav_model.flown.claims import claimed, claims_of, nees_of
 from nav_model.flown.difference import Flown, line_of, together
 from nav_model.flown.images import images_of
-from nav_model.flown.jumps import jumps_of
+from nav_model.flown.jumps import jumps_of, step_sigma
 from nav_model.flown.noise_fit import receiver_of
 from nav_model.flown.noise_scale import Scale, scale_of
 from nav_model.flown.relation import LEAST, RELATIONS, Compared, Relation, compare, guessed
@@ -27,15 +26,12 @@ from nav_model.flown.spread import later_fixes
 from nav_model.flown.states import AXES, Seen, seen_on, states_of
 from nav_model.flown.track import Stretch, track_of
 from nav_model.trajectory.covariance import followed
-from nav_model.trajectory.lines import along
-from nav_model.trajectory.result import STATE_AXES
 
 FloatArray = NDArray[np.float64]
 KINDS = {"real-time": REAL_TIME, "post-processed": POST_PROCESSED}
 """Kinds of a solution, and the processing of the budget that each has."""
 Progress = Callable[[str, float], None]
 _DOUBTED = 0.01  # probability below which a relation is named as denied
-_LEAST_FREEDOM = 5.0
 _LEAST_RATE, _IN_APERTURE = 10.0, 60.0
 _ENOUGH = 100.0  # degrees of freedom, at which a sigma is known to 7 %
 
@@ -128,7 +124,7 @@ def flown_study(
     series = None
     scale = Scale(np.ones(0), {})
     if compared is not None and reference is not None:
-        jumps = jumps_of(compared, solution, interval, _step_sigma(budgeted, compared))
+        jumps = jumps_of(compared, solution, interval, step_sigma(budgeted, compared))
         seen = {stretch: seen_on(stretch, budgeted, compared) for stretch in track.stretches}
         scale = _scale(budgeted, seen)
         for number, (stretch, on_it) in enumerate(seen.items()):
@@ -139,10 +135,10 @@ def flown_study(
     lines = [each.line for each in flown]
     if len(flown) > 1:
         lines.append(together(flown, budgeted))
-    claims = _claims(design, solution, budgeted)
+    claims = claims_of(solution, budgeted)
     verdict, reason = overall(tuple(lines))
     if compared is None:
-        verdict, reason = "cannot be told", _claimed(claims)
+        verdict, reason = "cannot be told", claimed(claims)
     elif denied := _denied(chosen, reference, lines):
         notes.append(denied)
     progress("receiver", 0.95)
@@ -158,7 +154,7 @@ def flown_study(
         jumps=jumps,
         lines=tuple(lines),
         claims=claims,
-        nees={} if compared is None or reference is None else _nees(chosen, solution, reference, compared, lines),
+        nees={} if compared is None or reference is None else nees_of(chosen, solution, reference, compared, lines),
         receiver=receiver_of(design, compared) if compared is not None and solution.attitude is None else {},
         noise=scale.factors,
         series=series,
@@ -181,25 +177,6 @@ def _flown(solution: Solution, reference: Solution, compared: Compared) -> Solut
     if solution.fix is not None:
         kinds = solution.fix[np.clip(np.searchsorted(solution.time_s, time), 0, len(solution.fix) - 1)]
     return replace(reference, time_s=time, fix=kinds, fix_names=solution.fix_names)
-
-
-def _step_sigma(budgeted: Budgeted, compared: Compared) -> float:
-    """Move of a position from sample to sample by the budget [m]: by the error of velocity where that is
-    largest, and of a filter's output by a fix, the root mean square of K S K'."""
-    model, run = budgeted.followed.model, budgeted.followed.run
-    speed = math.sqrt(float(budgeted.states(budgeted.processing)[:, 3:6].max()))
-    moved = speed * float(np.median(np.diff(compared.time_s)))
-    if budgeted.post_processed:
-        return moved
-    fixes = np.flatnonzero(model.is_fix)
-    if not fixes.size:
-        return moved
-    taken = []
-    for node in fixes[:: max(1, len(fixes) // 200)]:
-        H, K = model.rows[node][:, : model.states.estimated], run.gain[node]
-        S = np.linalg.inv(np.eye(len(H)) - H @ K) * model.variance[node]  # R = (I - H K) S
-        taken.append(np.diag(K @ S @ K.T)[:3].max())
-    return math.hypot(moved, math.sqrt(float(np.mean(taken))))
 
 
 def _scale(budgeted: Budgeted, seen: Mapping[Stretch, Seen | None]) -> Scale:
@@ -239,49 +216,6 @@ def _series(budgeted: Budgeted, flown: list[Flown]) -> Series:
     return Series(at, apertures, budgeted.track.clock.of_solution(budgeted.outputs_s), np.sqrt(spread))
 
 
-def _claims(design: Design, solution: Solution, budgeted: Budgeted) -> Mapping[str, Mapping[str, Mapping[str, Any]]]:
-    """Claimed and budgeted sigma of the states by line, at the confidence, root mean square of the worst axis."""
-    given = solution.claims
-    if given is None or given.kind == "test ratio":
-        return {}
-    track, limits = budgeted.track, dict(budgeted.track.spec.most)
-    budget = budgeted.states(budgeted.processing)
-    count = len(solution.time_s)
-    parts = (given.position, given.velocity, given.attitude)
-    sigma = np.hstack([np.full((count, 3), np.nan) if part is None else part for part in parts])
-    by_line: dict[str, dict[str, dict[str, Any]]] = {}
-    for stretch in track.stretches:
-        inside = (solution.time_s >= stretch.start) & (solution.time_s <= stretch.stop)
-        start, stop = track.clock.in_flight(np.array([stretch.start, stretch.stop])).tolist()
-        on = along(start, stop, track.spec, budgeted.outputs_s, image=False)
-        figures = by_line.setdefault(stretch.name, {})
-        for name, axes in STATE_AXES.items():
-            known = np.isfinite(sigma[inside, axes]).all(axis=1)
-            if not known.any() or not on.any():
-                continue
-            factor = confidence_of(design, name)
-            claimed = factor * math.sqrt(float(np.mean(sigma[inside, axes][known] ** 2, axis=0).max()))
-            limit = None if name not in limits else factor * limits[name]
-            figures[name] = {
-                "claimed": claimed,
-                "budget": factor * math.sqrt(float(budget[on, axes].mean(axis=0).max())),
-                "limit": limit,
-                "claimed_to_be_met": None if limit is None else claimed <= limit,
-            }
-    return by_line
-
-
-def _claimed(claims: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> str:
-    """The claims against the limits, in words."""
-    answers = [one["claimed_to_be_met"] for figures in claims.values() for one in figures.values()]
-    limited = [answer for answer in answers if answer is not None]
-    if not answers:
-        return "the file claims no accuracy, and there is no second solution"
-    if not limited:
-        return "there is no second solution, and no limit is on what the file claims"
-    return f"claimed {'' if all(limited) else 'not '}to be met: a claim is no error"
-
-
 def _denied(relation: Relation, reference: Solution | None, lines: list[FlownLine]) -> str:
     """Why the data deny that the reference is smoothed, or on which condition the verdict stands."""
     if relation != "smoothed":
@@ -309,40 +243,3 @@ def _denied(relation: Relation, reference: Solution | None, lines: list[FlownLin
         factor = math.exp(common)
         return f"the relation is doubtful: all figures are {factor:.2f} times the budget's, which noise does not do"
     return condition
-
-
-def _nees(
-    relation: Relation, x: Solution, y: Solution, compared: Compared, lines: list[FlownLine]
-) -> Mapping[str, float]:
-    """Mean normalised square of the position's difference by the claims over three, with its band."""
-    if x.claims is None or y.claims is None or x.claims.position is None or y.claims.position is None:
-        return {}
-    if "test ratio" in (x.claims.kind, y.claims.kind) or relation == "reverse":
-        return {}
-    sign = -1.0 if relation == "smoothed" else 1.0
-    lag = compared.lag.value if compared.lag.removed else 0.0
-    at = compared.time_s
-    ours, theirs = (
-        np.column_stack([np.interp(times, s.time_s, axis) for axis in (claims**2).T])
-        for s, claims, times in (
-            (x, x.claims.position, at),
-            (y, y.claims.position, at - lag - compared.clock_shift),
-        )
-    )
-    variance = ours + sign * theirs
-    known = np.isfinite(variance).all(axis=1) & (variance > 0.0).all(axis=1)
-    freedoms = [
-        line.figures["horizontal_position"].freedom
-        for line in lines
-        if "horizontal_position" in line.figures and line.name != ALL
-    ]
-    degrees = 3.0 * sum(freedoms)
-    if not known.any() or degrees < _LEAST_FREEDOM:
-        return {}
-    mean = float(np.mean(compared.position[known] ** 2 / variance[known]))
-    return {
-        "mean": mean,
-        "low_95": float(chi2.ppf(0.025, degrees) / degrees),
-        "high_95": float(chi2.ppf(0.975, degrees) / degrees),
-        "factor": math.sqrt(mean),
-    }

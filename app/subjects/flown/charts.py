@@ -73,7 +73,7 @@ def _difference(flight: FlownFlight, axis: int) -> tuple[Array, Array, Array]:
     nothing = np.full(len(at), np.nan)
     claims = result.solution.claims
     claimed = nothing
-    if claims is not None and claims.position is not None and claims.kind != "test ratio":
+    if claims is not None and claims.position is not None:
         claimed = np.interp(at, result.solution.time_s, claims.position[:, axis])
     if result.compared is None or result.series is None:
         return nothing, nothing, claimed

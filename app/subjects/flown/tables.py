@@ -86,12 +86,10 @@ def claims_table(flight: FlownFlight, key: str = "flown") -> TableBlock:
     for line, figures in flight.result.claims.items():
         rows.append((line,))
         for name, one in figures.items():
-            met = one["claimed_to_be_met"]
+            met = one.claimed_to_be_met
             says = NONE if met is None else "claimed to be met" if met else "claimed not to be met"
-            values = (
-                NONE if one[part] is None else value_of(name, one[part]) for part in ("claimed", "budget", "limit")
-            )
-            rows.append((FIGURES[name].label, *values, says))
+            limit = NONE if one.limit is None else value_of(name, one.limit)
+            rows.append((FIGURES[name].label, value_of(name, one.claimed), value_of(name, one.budget), limit, says))
     return table(
         f"{key}-claims",
         f"Claimed by the file, at {flight.design.requirements.confidence:g}σ",

@@ -213,7 +213,7 @@ def test_claims_alone_are_no_error(flights) -> None:
     result = flown_study(design, replace(solution, claims=claims))
     assert (result.verdict, result.reason) == ("cannot be told", "claimed to be met: a claim is no error")
     one = result.claims["line 1"]["horizontal_position"]
-    assert one["claimed"] == pytest.approx(0.5 * design.requirements.confidence)
+    assert one.claimed == pytest.approx(0.5 * design.requirements.confidence)
     assert not result.lines
 
 
