@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,18 +19,17 @@ from nav_model.flown.difference import Flown, line_of, together
 from nav_model.flown.images import images_of
 from nav_model.flown.jumps import jumps_of, step_sigma
 from nav_model.flown.noise_fit import receiver_of
-from nav_model.flown.noise_scale import Scale, scale_of
+from nav_model.flown.noise_scale import Factor, Scale, scale_of
 from nav_model.flown.relation import LEAST, RELATIONS, Compared, Relation, compare, guessed
 from nav_model.flown.result import ALL, FlownLine, FlownResult, Jump, Series, overall
 from nav_model.flown.solution import Solution
 from nav_model.flown.spread import later_fixes
 from nav_model.flown.states import AXES, Seen, seen_on, states_of
-from nav_model.flown.track import Stretch, track_of
+from nav_model.flown.track import Stretch, Track, track_of
 from nav_model.trajectory.covariance import followed
 
 FloatArray = NDArray[np.float64]
-KINDS = {"real-time": REAL_TIME, "post-processed": POST_PROCESSED}
-"""Kinds of a solution, and the processing of the budget that each has."""
+_KINDS = ("real-time", "post-processed")
 Progress = Callable[[str, float], None]
 _DOUBTED = 0.01  # probability below which a relation is named as denied
 _LEAST_RATE, _IN_APERTURE = 10.0, 60.0
@@ -85,53 +85,41 @@ def flown_study(
     >>> result.relation, result.verdict, result.reason
     ('claims', 'cannot be told', 'claimed to be met: a claim is no error')
     """
-    if reference is None and relation is not None:
-        raise InputError("relation", f"{relation!r} needs a reference. Give the second solution too.", relation)
-    if relation is not None and relation not in RELATIONS:
-        raise InputError("relation", f"must be one of {', '.join(RELATIONS)}", relation)
-    if kind and kind not in KINDS:
-        raise InputError("kind", f"must be one of {', '.join(KINDS)}", kind)
-    solution = replace(solution, kind=kind or solution.kind)
-    chosen = relation or guessed(solution, reference)
-    solution = replace(solution, kind=solution.kind or ("real-time" if chosen == "smoothed" else "post-processed"))
-    notes = [*solution.notes] if kind else [*solution.notes, f"taken as {solution.kind}"]
+    solution, chosen, notes = _taken(solution, reference, relation, kind)
     progress("compared", 0.1)
-    compared = None if reference is None else compare(solution, reference, _rate(design), remove_lag=remove_lag)
     # The covariance follows the better of both along what they have in common.
-    if compared is None or reference is None:
-        flies, begin, end = solution, float(solution.time_s[0]), float(solution.time_s[-1])
-    else:
-        flies, begin, end = (
-            _flown(solution, reference, compared),
-            float(compared.time_s[0]),
-            float(compared.time_s[-1]),
-        )
+    compared, flies, time = None, solution, solution.time_s
+    if reference is not None:
+        compared = compare(solution, reference, _rate(design), remove_lag=remove_lag)
+        flies, time = _flown(solution, reference, compared), compared.time_s
         notes += compared.notes
+    begin, end = float(time[0]), float(time[-1])
     if end - begin < LEAST:
         reason = f"lasts {end - begin:.1f} s; a flight needs {LEAST:.0f}. Give a longer part of it."
         raise InputError("solution", reason)
-    interval = design.gnss.interval
-    at_fixes = solution.rate_hz * interval < 2.0
+    at_fixes = solution.rate_hz * design.gnss.interval < 2.0
     track = track_of(design, flies, begin, end, at_fixes=at_fixes)
     progress("followed", 0.2)
-    needs_both = chosen in ("smoothed", "reverse")
-    post_processed = solution.kind == "post-processed" and chosen != "smoothed"
-    processings = (REAL_TIME, POST_PROCESSED) if needs_both else (POST_PROCESSED if post_processed else REAL_TIME,)
-    along_it = followed(track.spec, processings, difference=needs_both)
-    budgeted = Budgeted(design, track, along_it, later_fixes(along_it.model, along_it.run), chosen, post_processed)
+    budgeted = _budgeted(design, track, chosen, solution.kind)
     flown: list[Flown] = []
     jumps: tuple[Jump, ...] = ()
-    series = None
-    scale = Scale(np.ones(0), {})
+    series: Series | None = None
+    noise: Mapping[str, Factor] = {}
+    nees: Mapping[str, float] = {}
+    receiver: Mapping[str, Any] = {}
     if compared is not None and reference is not None:
-        jumps = jumps_of(compared, solution, interval, step_sigma(budgeted, compared))
+        jumps = jumps_of(compared, solution, design.gnss.interval, step_sigma(budgeted, compared))
         seen = {stretch: seen_on(stretch, budgeted, compared) for stretch in track.stretches}
         scale = _scale(budgeted, seen)
         for number, (stretch, on_it) in enumerate(seen.items()):
             progress(stretch.name, 0.4 + 0.5 * number / len(seen))
             states = states_of(on_it, budgeted, scale, flies) if on_it else {}
             flown.append(line_of(stretch, budgeted, images_of(stretch, budgeted, compared, jumps), states))
-        series = _series(budgeted, flown)
+        series, noise = _series(budgeted, flown), scale.factors
+        nees = nees_of(chosen, solution, reference, compared, [each.line for each in flown])
+        progress("receiver", 0.95)
+        if solution.attitude is None:
+            receiver = receiver_of(design, compared)
     lines = [each.line for each in flown]
     if len(flown) > 1:
         lines.append(together(flown, budgeted))
@@ -141,7 +129,6 @@ def flown_study(
         verdict, reason = "cannot be told", claimed(claims)
     elif denied := _denied(chosen, reference, lines):
         notes.append(denied)
-    progress("receiver", 0.95)
     return FlownResult(
         spec=track.spec,
         clock=track.clock,
@@ -154,14 +141,44 @@ def flown_study(
         jumps=jumps,
         lines=tuple(lines),
         claims=claims,
-        nees={} if compared is None or reference is None else nees_of(chosen, solution, reference, compared, lines),
-        receiver=receiver_of(design, compared) if compared is not None and solution.attitude is None else {},
-        noise=scale.factors,
+        nees=nees,
+        receiver=receiver,
+        noise=noise,
         series=series,
         verdict=verdict,
         reason=reason,
         notes=(*notes, *track.notes),
     )
+
+
+def _taken(
+    solution: Solution, reference: Solution | None, relation: Relation | None, kind: str
+) -> tuple[Solution, Relation, list[str]]:
+    """The solution with its kind, its relation to the reference, and remarks; InputError for what is not known."""
+    if reference is None and relation is not None:
+        raise InputError("relation", f"{relation!r} needs a reference. Give the second solution too.", relation)
+    if relation is not None and relation not in RELATIONS:
+        raise InputError("relation", f"must be one of {', '.join(RELATIONS)}", relation)
+    if kind and kind not in _KINDS:
+        raise InputError("kind", f"must be one of {', '.join(_KINDS)}", kind)
+    solution = replace(solution, kind=kind or solution.kind)
+    chosen = relation or guessed(solution, reference)
+    notes = [*solution.notes]
+    if not kind:
+        solution = replace(
+            solution, kind=solution.kind or ("real-time" if chosen == "smoothed" else "post-processed")
+        )
+        notes.append(f"taken as {solution.kind}")
+    return solution, chosen, notes
+
+
+def _budgeted(design: Design, track: Track, relation: Relation, kind: str) -> Budgeted:
+    """The budget along a flown track, of a solution of this kind and relation to its reference."""
+    needs_both = relation in ("smoothed", "reverse")
+    post_processed = kind == "post-processed" and relation != "smoothed"
+    processings = (REAL_TIME, POST_PROCESSED) if needs_both else (POST_PROCESSED if post_processed else REAL_TIME,)
+    along_it = followed(track.spec, processings, difference=needs_both)
+    return Budgeted(design, track, along_it, later_fixes(along_it.model, along_it.run), relation, post_processed)
 
 
 def _rate(design: Design) -> float:
