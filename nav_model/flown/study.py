@@ -164,10 +164,8 @@ def _taken(
     solution = replace(solution, kind=kind or solution.kind)
     chosen = relation or guessed(solution, reference)
     notes = [*solution.notes]
-    if not kind:
-        solution = replace(
-            solution, kind=solution.kind or ("real-time" if chosen == "smoothed" else "post-processed")
-        )
+    if not solution.kind:
+        solution = replace(solution, kind="real-time" if chosen == "smoothed" else "post-processed")
         notes.append(f"taken as {solution.kind}")
     return solution, chosen, notes
 

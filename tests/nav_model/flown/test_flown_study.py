@@ -235,3 +235,19 @@ def test_a_track_that_repeats_itself_has_no_lag_of_a_period() -> None:
     noise = np.random.default_rng(1).standard_normal((2, len(time), 3)) * [1.5e-7, 2e-7, 1.0]
     x, y = (Solution("table", "", time, "", place + each) for each in noise)
     assert abs(compare(x, y).lag.value) < 0.5
+
+
+@pytest.mark.parametrize(
+    ("of_file", "given", "note"),
+    [
+        ("", "", "taken as real-time"),
+        ("real-time", "", ""),
+        ("", "real-time", ""),
+        ("post-processed", "real-time", ""),
+    ],
+)
+def test_a_kind_is_named_where_nobody_tells_it(flights, of_file, given, note) -> None:
+    solution, reference = pair(flights, 0)
+    result = flown_study(DESIGN, replace(solution, kind=of_file), reference, relation="smoothed", kind=given)
+    assert result.kind == (given or of_file or "real-time")
+    assert [one for one in result.notes if one.startswith("taken as")] == [note] * bool(note)
