@@ -10,8 +10,6 @@ import numpy as np
 
 from nav_model.base.errors import InputError
 from nav_model.base.text.file_kind import kind_of
-from nav_model.base.text.message_dump import lines_of
-from nav_model.base.text.number_table import open_table
 from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.flown.files.accuracies import claims_of
 from nav_model.flown.files.rtklib import is_pos, read_pos
@@ -22,12 +20,11 @@ from nav_model.simulation.trajectory import FILE_BOUNDS
 from nav_model.trajectory.files.epochs import Epochs
 from nav_model.trajectory.files.heights import Heights, counted
 from nav_model.trajectory.files.markup import read_markup
-from nav_model.trajectory.files.messages import PLACE_MESSAGES, read_messages
+from nav_model.trajectory.files.messages import read_messages
 from nav_model.trajectory.files.sbet import ACCURACIES, Buffer, name_of
-from nav_model.trajectory.files.table import in_two_columns
+from nav_model.trajectory.files.table import table_of
 
-KINDS = "SBET, RTKLIB .pos, NovAtel ASCII, NMEA, a PX4 log, a GPX or KML track, or a table with named columns"
-_GIVE = f"Give {KINDS}."
+_GIVE = "Give SBET, RTKLIB .pos, NovAtel ASCII, NMEA, a PX4 log, a GPX or KML track, or a table with named columns."
 _START = 4096  # bytes
 _AT_REST = 5.0  # m
 _WHOLE = 0.95  # of the times
@@ -129,13 +126,7 @@ def _epochs(file: _File, heights: Heights, columns: Sequence[str]) -> Epochs:
         return _track(content, heights)
     if kind is not None:
         raise heights.refuse(f"is {'no text and no SBET' if kind == 'not text' else kind}. {_GIVE}")
-    if dump := lines_of(content, file.name, PLACE_MESSAGES):
-        heights.note(dump.choice)
-        content = dump.table
-    try:
-        table = open_table(in_two_columns(content, heights), file.name)
-    except InputError as error:
-        raise heights.refuse(f"{error.reason} {_GIVE}") from error
+    table = table_of(content, heights, _GIVE)
     if is_pos(content):
         return read_pos(table, heights)
     return read_table(table.named(columns) if columns else table, heights)

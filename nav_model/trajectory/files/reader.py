@@ -6,16 +6,14 @@ from pathlib import Path
 
 from nav_model.base.errors import InputError
 from nav_model.base.text.file_kind import kind_of
-from nav_model.base.text.message_dump import lines_of
-from nav_model.base.text.number_table import open_table
 from nav_model.simulation.trajectory import FILE_BOUNDS
 from nav_model.trajectory.files.ground_station import WAYPOINT_LIST, read_ground_station
 from nav_model.trajectory.files.heights import Heights
 from nav_model.trajectory.files.markup import read_markup, unpack
-from nav_model.trajectory.files.messages import PLACE_MESSAGES, read_messages
+from nav_model.trajectory.files.messages import read_messages
 from nav_model.trajectory.files.recorded import RecordedSegment, fly_recorded
 from nav_model.trajectory.files.sbet import name_of, read_sbet
-from nav_model.trajectory.files.table import in_two_columns, read_columns
+from nav_model.trajectory.files.table import read_columns, table_of
 from nav_model.trajectory.plan import PlannedFlight, fly
 from nav_model.trajectory.waypoints import Plan, Waypoint
 
@@ -116,11 +114,5 @@ def _read(
         return read_ground_station(content, heights)
     if kind is not None:
         raise heights.refuse(f"is {'no text and no SBET' if kind == 'not text' else kind}. {_GIVE}")
-    if dump := lines_of(content, heights.file_name, PLACE_MESSAGES):
-        heights.note(dump.choice)
-        content = dump.table
-    try:
-        table = open_table(in_two_columns(content, heights), heights.file_name)
-    except InputError as error:
-        raise heights.refuse(f"{error.reason} {_GIVE}") from error
+    table = table_of(content, heights, _GIVE)
     return read_columns(table.named(columns) if columns else table, heights)

@@ -13,13 +13,15 @@ from numpy.typing import NDArray
 
 from nav_model.base.arrays import Array
 from nav_model.base.constants import MEAN_RADIUS
-from nav_model.base.errors import quoted
+from nav_model.base.errors import InputError, quoted
 from nav_model.base.text.column_names import listed, parted, size_of_unit, vocabulary
-from nav_model.base.text.number_table import Columns, NumberTable, Reader, angle_of, seconds_of
+from nav_model.base.text.message_dump import lines_of
+from nav_model.base.text.number_table import Columns, NumberTable, Reader, angle_of, open_table, seconds_of
 from nav_model.earth.trajectory_file import has_trajectory, trajectory_of
 from nav_model.earth.wgs84 import geodetic
 from nav_model.simulation.trajectory import FILE_BOUNDS, flight_through
 from nav_model.trajectory.files.heights import Heights, Reference, counted
+from nav_model.trajectory.files.messages import PLACE_MESSAGES
 from nav_model.trajectory.files.recorded import USUAL_SHARE, RecordedSegment, unrolled
 from nav_model.trajectory.plan import PlannedFlight
 from nav_model.trajectory.waypoints import Waypoint
@@ -96,7 +98,33 @@ def read_columns(
     return PlannedFlight(flight_through(samples, lines, heights.file_name), float(samples[-1, 0]), ())
 
 
-def in_two_columns(content: bytes, heights: Heights) -> bytes:
+def table_of(content: bytes, heights: Heights, give: str) -> NumberTable:
+    """The table of a text, or of the places in a text dump of messages.
+
+    Parameters
+    ----------
+    content : bytes
+        The text.
+    heights : Heights
+        Sentences on how it was read.
+    give : str
+        Advice behind the reason why it is no table.
+
+    Raises
+    ------
+    InputError
+        Under the file's name.
+    """
+    if dump := lines_of(content, heights.file_name, PLACE_MESSAGES):
+        heights.note(dump.choice)
+        content = dump.table
+    try:
+        return open_table(_in_two_columns(content, heights), heights.file_name)
+    except InputError as error:
+        raise heights.refuse(f"{error.reason} {give}") from error
+
+
+def _in_two_columns(content: bytes, heights: Heights) -> bytes:
     """A table whose places stand in one field, "47.2, 8.6" or "47.2 8.6", with latitude and longitude apart."""
     head, _, below = content.partition(b"\n")
     mark = next((mark for mark in (b";", b"\t", b",") if mark in head), None)
