@@ -62,8 +62,8 @@ def _figures(result: FlownResult) -> list[str]:
         }
         limits = {one.limit for line in lines if (one := line.figures.get(name)) and one.limit is not None}
         level = " to ".join(value_of(name, limit) for limit in sorted({min(limits), max(limits)}))
-        told = [_of_state(name, state, there) for state, there in by_state.items() if there]
-        parts.append(f"{figure_in_sentence(name)} of {level}: {', '.join(told)}")
+        states = [_of_state(name, state, there) for state, there in by_state.items() if there]
+        parts.append(f"{figure_in_sentence(name)} of {level}: {', '.join(states)}")
     return parts
 
 

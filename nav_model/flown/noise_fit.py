@@ -147,7 +147,7 @@ def _fitted(values: FloatArray, step: float) -> _Process:
             minimize(_less_likely, np.log([white, rest, time]), args=(values, step), method="Nelder-Mead")
             for time in (5.0 * step, 30.0 * step, 200.0 * step)
         ),
-        key=lambda found: float(found.fun),
+        key=lambda fit: float(fit.fun),
     )
     logs, h = np.asarray(best.x), 0.02
     curvature = np.empty((3, 3))

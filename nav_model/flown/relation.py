@@ -26,7 +26,7 @@ RELATIONS: tuple[Relation, ...] = ("smoothed", "reverse", "independent")
 MEANINGS = {
     "smoothed": "the reference is the smoothed answer on the same data",
     "reverse": "both are passes of one processing, forward and backward",
-    "independent": "the reference is another system, with errors of its own",
+    "independent": "the reference is another system, with its own errors",
     "claims": "no second solution: only what the file claims",
 }
 _WEEK, _DAY = 604_800.0, 86_400.0

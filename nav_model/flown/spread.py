@@ -95,20 +95,20 @@ def covariance_of(model: ErrorModel, run: FilterRun, adjoint: FloatArray, sums: 
     C = np.zeros((count, q, count, q))
     P = run.covariance[max(start - 1, 0)]
     for node in range(start, min(stop, len(model.time_s))):
-        begun = int(np.searchsorted(first, node, side="right"))
-        on = np.arange(np.searchsorted(first, node - nodes + 1), begun)
+        end = int(np.searchsorted(first, node, side="right"))
+        on = np.arange(np.searchsorted(first, node - nodes + 1), end)
         # To this node, whose fix is still to come.
         if node:
             phi = np.zeros((m, m))
             phi[9:, 9:] = np.diag(model.decay_factor[node - 1, : m - 9])
             phi[:9] = model.phi[node - 1, :, :m]
-            A[:begun] = A[:begun] @ phi.T
+            A[:end] = A[:end] @ phi.T
             P = phi @ P @ phi.T + model.filter_noise[node - 1]
         L = _before(model, run, adjoint[node], node)
         for weights in (sums.before, sums.after):
             if weights is sums.after:
                 if model.is_fix[node]:
-                    A[:begun] -= (A[:begun] @ model.rows[node, :, :m].T) @ run.gain[node].T
+                    A[:end] -= (A[:end] @ model.rows[node, :, :m].T) @ run.gain[node].T
                 P, L = run.covariance[node], adjoint[node]
             W = weights[on, node - first[on]]
             if not W.any():
@@ -116,9 +116,9 @@ def covariance_of(model: ErrorModel, run: FilterRun, adjoint: FloatArray, sums: 
             # What these sums take here, with all that any sum has so far and with itself.
             of_error = {"output": identity, "smoothed": identity - L @ P, "difference": L @ P}[error]
             taken = of_error @ W.reshape(-1, m).T
-            block = (A[:begun].reshape(-1, m) @ taken).reshape(begun, q, len(on), q)
-            C[:begun, :, on] += block
-            C[on, :, :begun] += block.transpose(2, 3, 0, 1)
+            block = (A[:end].reshape(-1, m) @ taken).reshape(end, q, len(on), q)
+            C[:end, :, on] += block
+            C[on, :, :end] += block.transpose(2, 3, 0, 1)
             alone = ((W @ P).reshape(-1, m) @ taken).reshape(len(on), q, len(on), q)
             C[on[:, None], :, on[None, :]] += alone.swapaxes(1, 2)  # the two lists of sums come first there
             A[on] += W @ P

@@ -162,8 +162,8 @@ def stretches_of(design: Design, solution: Solution, begin: float, end: float) -
     rate = np.abs(np.convolve(np.gradient(course, time), np.ones(width) / width, mode="same"))
     straight = (rate < _STRAIGHT) & (speed > _SLOWEST)
     aperture = float(inputs_of(design).aperture)
-    found = [(float(time[a]), float(time[b - 1])) for a, b in _runs(straight) if time[b - 1] - time[a] >= aperture]
-    stretches = tuple(Stretch(f"stretch {n}", a, b) for n, (a, b) in enumerate(found, 1))
+    ends = [(float(time[a]), float(time[b - 1])) for a, b in _runs(straight) if time[b - 1] - time[a] >= aperture]
+    stretches = tuple(Stretch(f"stretch {n}", a, b) for n, (a, b) in enumerate(ends, 1))
     remark = "no line of the plan was flown; " if design.trajectory.planned else ""
     return stretches, f"{remark}straight stretches are those of the track"
 

@@ -48,7 +48,7 @@ def test_a_flight_is_brought_held_against_the_budget_and_refused_by_name(
     table = page.get_by_role("table", name=re.compile("^Figures by line, at "))
     expect(table).to_be_visible(timeout=120_000)
     expect(page.get_by_role("heading", name=re.compile("^(✗ Not met|Open|Cannot be told)$"))).to_be_visible()
-    expect(page.get_by_text("The reference is another system, with errors of its own")).to_be_visible()
+    expect(page.get_by_text("The reference is another system, with its own errors")).to_be_visible()
     expect(table.get_by_role("rowheader", name="Horizontal position").first).to_be_visible()
     page.get_by_role("button", name="Noise of IMU and receiver").click()
     expect(page.get_by_role("rowheader", name="White noise, horizontal")).to_be_visible()

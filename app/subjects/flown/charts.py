@@ -63,8 +63,8 @@ def timelines(flight: FlownFlight, name: str) -> tuple[Chart, ...]:
 def _times(flight: FlownFlight) -> Array:
     """Seconds since the flight's start, at which its difference is known, or else its places."""
     compared = flight.result.compared
-    own = flight.result.solution.time_s if compared is None else compared.time_s
-    return np.asarray(own - flight.start_s)
+    clock = flight.result.solution.time_s if compared is None else compared.time_s
+    return np.asarray(clock - flight.start_s)
 
 
 def _difference(flight: FlownFlight, axis: int) -> tuple[Array, Array, Array]:

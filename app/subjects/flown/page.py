@@ -65,7 +65,7 @@ _COMING = '<span class="quiet fine">Appears with the first result.</span>'
 
 
 class SolutionFiles:
-    """The file of a solution, and the accuracies that belong to it where they have a file of their own."""
+    """The file of a solution, and its accuracies where a second file has them."""
 
     def __init__(self) -> None:
         self._solution, self._accuracies = UploadedFile(), UploadedFile()
@@ -179,9 +179,9 @@ class FlownPage(StudyPage[FlownFlight]):
                 chart.append(of_flight.chart(receiver_chart, 280))
 
         of_flight.add(follow)
-        told = of_flight.text(lambda flight: html_of(*noise_blocks(flight), receiver_block(flight)))
+        tables = of_flight.text(lambda flight: html_of(*noise_blocks(flight), receiver_block(flight)))
         of_flight.add(draw)
-        return pn.Column(told, use, chart)
+        return pn.Column(tables, use, chart)
 
     def _changes(self, flight: FlownFlight) -> bool:
         from nav_model.flown.noise_fit import adopt_receiver

@@ -1,4 +1,4 @@
-"""Holds a flown solution against the budget of a design, in a process of its own."""
+"""Holds a flown solution against the budget of a design, for a worker process."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def hold(
     ----------
     design : Design
     solution, reference : sequence of File
-        Of each solution its file, and its accuracies if those have a file of their own.
+        Of each solution its file, and that of its accuracies if they have a second one.
     relation, kind : str
         As `nav_model.flown.study.flown_study` takes them; empty: as the files tell.
     remove_lag : bool

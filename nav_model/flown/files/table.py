@@ -77,8 +77,8 @@ def epochs_of(
     read = table.columns(places, FILE_BOUNDS.most_rows, FILE_BOUNDS.most_bytes) if places else None
     values = {}
     if read:
-        found = np.searchsorted(read.lines, lines)
-        values = {key: c.size * read.values[found, at] for at, (key, c) in enumerate(beside.items())}
+        at_rows = np.searchsorted(read.lines, lines)
+        values = {key: c.size * read.values[at_rows, at] for at, (key, c) in enumerate(beside.items())}
     place = np.column_stack([np.radians(rows[:, 1:3]), rows[:, 3]])
     fix, names = _fixes(table, roles, lines)
     kinds = {column.kind for column in beside.values() if column.kind}

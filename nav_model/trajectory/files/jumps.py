@@ -45,8 +45,8 @@ def without_jumps(rows: Array, name: str, heights: Heights) -> Array:
     time = rows[:, 0]
     limit = _GENTLE * float(np.median(np.diff(time))) ** 2
     single = _singles(time, place, limit)
-    kept = np.delete(np.arange(len(rows)), [jump.at for jump in single])
-    steps = [_Jump(int(kept[jump.at]), jump.size) for jump in _steps(time[kept], place[kept, :2], limit)]
+    others = np.delete(np.arange(len(rows)), [jump.at for jump in single])
+    steps = [_Jump(int(others[jump.at]), jump.size) for jump in _steps(time[others], place[others, :2], limit)]
     back = [
         (step, after) for step, after in pairwise(steps)
         if _length(step.size + after.size) < _length(step.size) / _SMOOTHER
@@ -91,8 +91,7 @@ def _beyond(jumps: Array, around: Array, limit: float) -> list[int]:
     """Numbers of the jumps that are larger than a manoeuvre, than the noise, and than what is around them."""
     sizes = _lengths(jumps)
     limit = max(limit, _NOISE * float(np.median(sizes))) if len(sizes) else limit
-    found: list[int] = np.flatnonzero((sizes > limit) & (around < sizes / _SMOOTHER)).tolist()
-    return found
+    return [int(at) for at in np.flatnonzero((sizes > limit) & (around < sizes / _SMOOTHER))]
 
 
 def _lengths(vectors: Array) -> Array:

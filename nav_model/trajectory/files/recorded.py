@@ -78,8 +78,7 @@ def fly_recorded(segments: Sequence[RecordedSegment], heights: Heights) -> Plann
     """
     from scipy.ndimage import gaussian_filter1d
 
-    found = (piece for segment in segments for piece in _pieces(segment, heights))
-    pieces = [*islice(found, _MOST_SEGMENTS + 1)]
+    pieces = [*islice((piece for part in segments for piece in _pieces(part, heights)), _MOST_SEGMENTS + 1)]
     if not pieces:
         raise heights.refuse("holds no two recorded places at different times")
     if len(pieces) > _MOST_SEGMENTS:

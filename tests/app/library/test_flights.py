@@ -41,6 +41,6 @@ def test_what_cannot_be_kept_is_named(library: Library, mems: Budget, monkeypatc
     keep_flight(library, key, "Ann", "met", "Met.", [("\u202e.out" * 40, "c" * 64)])
     with pytest.raises(InputError, match="1 flights of a revision"):
         keep_flight(library, key, "Ann", "met", "Met.", _FILES)
-    (kept,) = flights_of(library, [key])
-    assert len(kept.files[0][0]) == 100
-    assert "\u202e" not in kept.files[0][0]
+    (flight,) = flights_of(library, [key])
+    assert len(flight.files[0][0]) == 100
+    assert "\u202e" not in flight.files[0][0]

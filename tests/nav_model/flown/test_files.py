@@ -63,8 +63,8 @@ def test_two_records_have_the_values_that_pdal_expects() -> None:
     assert two.velocity is not None
     assert two.attitude[0, 0] == pytest.approx(-0.02813407149321339, abs=1e-15)
     # Turned by the wander angle by complex numbers, x to the north, y to the west.
-    turned = complex(-2.332420866600025, -0.3335067504871401) * np.exp(-0.02198414736922658j)
-    assert two.velocity[0] == pytest.approx([turned.real, -turned.imag, 0.03093961631767838], abs=1e-12)
+    rotated = complex(-2.332420866600025, -0.3335067504871401) * np.exp(-0.02198414736922658j)
+    assert two.velocity[0] == pytest.approx([rotated.real, -rotated.imag, 0.03093961631767838], abs=1e-12)
     assert "no flight" in two.notes[0]
 
 

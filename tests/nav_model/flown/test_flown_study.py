@@ -127,9 +127,9 @@ def test_a_lag_is_found_in_turns(flights) -> None:
     assert lag.removed
     assert lag.value == pytest.approx(0.2, abs=0.05)
     assert all_lines(result)["horizontal_position"].against_budget == "consistent"
-    kept = flown_study(DESIGN, late, reference, remove_lag=False)
-    assert kept.compared.lag.value == pytest.approx(0.2, abs=0.05)
-    assert all_lines(kept)["horizontal_position"].against_budget == "more"
+    late_still = flown_study(DESIGN, late, reference, remove_lag=False)
+    assert late_still.compared.lag.value == pytest.approx(0.2, abs=0.05)
+    assert all_lines(late_still)["horizontal_position"].against_budget == "more"
 
 
 def test_on_a_straight_line_a_lag_is_an_offset() -> None:
@@ -150,14 +150,14 @@ def test_utc_beside_gps_time_is_named(flights) -> None:
     assert flown_study(DESIGN, marked, reference).compared.lag.value == pytest.approx(0.0, abs=0.05)
 
 
-@pytest.mark.parametrize("turned", [False, True])
-def test_utc_and_seconds_of_a_gps_week_are_one_time(flights, turned: bool) -> None:
+@pytest.mark.parametrize("exchanged", [False, True])
+def test_utc_and_seconds_of_a_gps_week_are_one_time(flights, exchanged: bool) -> None:
     solution, reference = pair(flights, 3)
     noon = datetime(2024, 5, 18, 12, tzinfo=UTC)
     gps = (noon - datetime(1980, 1, 6, tzinfo=UTC)).total_seconds() + 18.0
     dated = replace(solution, time_s=solution.time_s + noon.timestamp(), clock="utc")
     weekly = replace(reference, time_s=reference.time_s + gps % 604_800.0, clock="gps week seconds")
-    pair_of = (weekly, dated) if turned else (dated, weekly)
+    pair_of = (weekly, dated) if exchanged else (dated, weekly)
     compared = compare(*pair_of)
     assert compared.lag.value == pytest.approx(0.0, abs=0.05)
     assert np.ptp(compared.time_s) == pytest.approx(solution.duration_s, abs=1.0)

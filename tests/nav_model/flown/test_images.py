@@ -30,10 +30,10 @@ def test_phases_are_those_of_fitted_polynomials(rate) -> None:
         sight = np.array([0.0, np.cos(x.grazing_angle), np.sin(x.grazing_angle)])
         r = np.column_stack([np.interp(at, time, axis) for axis in error.T]) @ sight
         parabola = np.polynomial.legendre.legfit(dense, r, 2)
-        left = r - np.polynomial.legendre.legval(dense, parabola)
+        residual = r - np.polynomial.legendre.legval(dense, parabola)
         assert np.sqrt(figures["quadratic_phase"][0, n]) == pytest.approx(
             float(x.to_phase) * abs(1.5 * parabola[2]), rel=0.02
         )
         assert np.sqrt(figures["detrended_phase"][0, n]) == pytest.approx(
-            float(x.to_phase) * np.sqrt(np.mean(left**2)), rel=0.05
+            float(x.to_phase) * np.sqrt(np.mean(residual**2)), rel=0.05
         )

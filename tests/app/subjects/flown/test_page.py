@@ -152,8 +152,8 @@ def test_the_receiver_goes_into_the_design_with_its_origin(session: Session) -> 
     page = brought(FlownPage(session))
     after(page, page.begin)
     part = page._receiver()
-    told, use, _ = part
-    assert "White noise, horizontal" in told.object
+    tables, use, _ = part
+    assert "White noise, horizontal" in tables.object
     assert not use.disabled
     page._adopt()
     page.show(session.budget)  # as the frame does
@@ -225,9 +225,9 @@ def test_what_is_not_known_or_endless_is_null_in_json(design: Design, tmp_path: 
     figures = {name: replace(one, high_95=math.inf, ratio=math.nan) for name, one in line.figures.items()}
     receiver = {"velocity": {"value": 0.1, "declared": math.nan}}
     data = to_json(replace(result, lines=(replace(line, figures=figures),), receiver=receiver))
-    told = json.loads(json.dumps(data, allow_nan=False))
-    assert told["lines"][0]["figures"]["horizontal_position"]["high_95"] is None
-    assert told["receiver"]["velocity"] == {"value": 0.1, "declared": None}
+    plain = json.loads(json.dumps(data, allow_nan=False))
+    assert plain["lines"][0]["figures"]["horizontal_position"]["high_95"] is None
+    assert plain["receiver"]["velocity"] == {"value": 0.1, "declared": None}
 
 
 def test_a_flight_is_kept_with_the_saved_design_alone(
@@ -245,10 +245,10 @@ def test_a_flight_is_kept_with_the_saved_design_alone(
     session.came_from(revision)
     assert not page._outdated
     assert asyncio.run(page._keep()) == "The flight is kept with revision 1 of Alpha."
-    (kept,) = flights_of(shelf, [revision.key])
-    assert (kept.author, kept.verdict) == ("Ann", page.run.result.result.verdict)
-    assert [name for name, _ in kept.files] == ["fixes.csv", "truth.csv"]
-    assert kept.sentence == sentence(page.run.result.result)
+    (flight,) = flights_of(shelf, [revision.key])
+    assert (flight.author, flight.verdict) == ("Ann", page.run.result.result.verdict)
+    assert [name for name, _ in flight.files] == ["fixes.csv", "truth.csv"]
+    assert flight.sentence == sentence(page.run.result.result)
     assert session.change({"imu.angle_random_walk": 2e-5}) is None
     assert "Computed before the change of angle random walk" in page._outdated
     assert "against other inputs" in asyncio.run(page._keep())
