@@ -32,8 +32,8 @@ def sentence(result: FlownResult) -> str:
     """The verdict in a sentence: each limited figure, the lines that meet it and those that do not."""
     parts = _figures(result)
     if not parts:
-        return f"{result.verdict.capitalize()}: {result.reason}."
-    return f"{result.verdict.capitalize()} ({MEANINGS[result.relation]}). {'; '.join(parts)}."
+        return whole(f"{result.verdict}: {result.reason}")
+    return f"{result.verdict.capitalize()} ({MEANINGS[result.relation]}). {whole('; '.join(parts))}"
 
 
 def answer(result: FlownResult) -> Answer:
@@ -43,9 +43,12 @@ def answer(result: FlownResult) -> Answer:
     taken = MEANINGS[result.relation]
     if result.guessed:
         taken += "; the files tell nothing else" if result.relation == "independent" else ", as the files tell"
-    return Answer(
-        f"{sign}{result.verdict.capitalize()}", tone, tuple(f"{one[:1].upper()}{one[1:]}." for one in (*parts, taken))
-    )
+    return Answer(f"{sign}{result.verdict.capitalize()}", tone, tuple(whole(one) for one in (*parts, taken)))
+
+
+def whole(text: str) -> str:
+    """The text as a sentence: its capital and its point."""
+    return f"{text[:1].upper()}{text[1:]}."
 
 
 def _figures(result: FlownResult) -> list[str]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from app.document.blocks import Block, Bullets, Cell, Row, TableBlock, Text, numbers, table
-from app.document.flown import range_of, value_of
+from app.document.flown import range_of, value_of, whole
 from app.document.numbers import NONE, number, show
 from app.subjects.flown.charts import IN_APERTURES, lines_of
 from app.subjects.flown.run import FlownFlight
@@ -106,8 +106,7 @@ def flight_blocks(flight: FlownFlight, key: str = "flown") -> tuple[Block, ...]:
         blocks.append(line_table(flight, key))
     if flight.result.claims:
         blocks.append(claims_table(flight, key))
-    reason = flight.result.reason
-    return tuple(blocks) or (Text(f"{reason[:1].upper()}{reason[1:]}."),)
+    return tuple(blocks) or (Text(whole(flight.result.reason)),)
 
 
 def place_blocks(flight: FlownFlight, key: str = "flown") -> tuple[Block, ...]:
@@ -121,8 +120,8 @@ def place_blocks(flight: FlownFlight, key: str = "flown") -> tuple[Block, ...]:
         for name, offset in zip(("north", "east", "down"), compared.offset, strict=True):
             rows.append(_fitted(f"Offset {name}", offset, "length"))
     nees = result.nees
-    notes = [*([f"{compared.remark}."] if compared is not None and compared.remark else [])]
-    notes += [f"{note[:1].upper()}{note[1:]}." for note in result.notes]
+    remarks = [compared.remark] if compared is not None and compared.remark else []
+    notes = [whole(note) for note in (*remarks, *result.notes)]
     if nees:
         notes.append(
             f"Claims of both: mean square {number(nees['mean'])}, 95 % band {number(nees['low_95'])} to "

@@ -4,6 +4,7 @@ import asyncio
 import json
 import math
 import pickle
+import re
 import struct
 from collections.abc import Iterator
 from dataclasses import replace
@@ -15,7 +16,7 @@ import pytest
 from pages import at_once, when_done
 
 import app.subjects.flown.page as flown_page
-from app.document.flown import sentence
+from app.document.flown import answer, sentence
 from app.library.flights import flights_of
 from app.library.store import Library
 from app.report.studies import study_sections
@@ -253,3 +254,13 @@ def test_a_flight_is_kept_with_the_saved_design_alone(
     assert "Computed before the change of angle random walk" in page._outdated
     assert "against other inputs" in asyncio.run(page._keep())
     shelf.close()
+
+
+def test_each_sentence_of_a_verdict_begins_with_a_capital(design: Design, tmp_path: Path) -> None:
+    given = files(tmp_path, fixes=FIXES, truth=REFERENCE)
+    result = hold(design.replace({"requirements.vertical_position": 3.0}), given["fixes"], given["truth"]).result
+    words = sentence(result)
+    assert re.match(
+        r"Met \(the reference .*\)\. Horizontal position of 2\sm: met on .*; vertical position of 3\sm: ", words
+    )
+    assert all(one[0].isupper() and one[-1] == "." for one in answer(result).sentences)
