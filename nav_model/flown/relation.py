@@ -17,7 +17,7 @@ from nav_model.base.arrays import interpolated
 from nav_model.base.errors import InputError
 from nav_model.earth.rotation import matrix_from_euler
 from nav_model.earth.wgs84 import metres_per_radian
-from nav_model.flown.solution import Solution
+from nav_model.flown.solution import Solution, wrapped
 
 FloatArray = NDArray[np.float64]
 Relation = Literal["smoothed", "reverse", "independent", "claims"]
@@ -238,19 +238,23 @@ def _difference(x: Solution, y: Solution, lag: float, rate: float) -> _Common:
             of_place[name] = CubicSpline(solution.time_s, solution.place)(at)
     north, east = metres_per_radian(of_place["y"][:, 0], of_place["y"][:, 2])
     steps = of_place["x"] - of_place["y"]
-    steps[:, 1] -= 2.0 * math.pi * np.round(steps[:, 1] / (2.0 * math.pi))
-    position = np.column_stack([steps[:, 0] * north, steps[:, 1] * east, -steps[:, 2]])
+    position = np.column_stack([steps[:, 0] * north, wrapped(steps[:, 1]) * east, -steps[:, 2]])
     if float(np.median(np.linalg.norm(position[:, :2], axis=1))) > 50_000.0:
         raise InputError("reference", "is of another place, more than 50 km away. Give that of the same flight.")
 
     velocity = _less(_at(time, x, x.velocity), _at(time - lag, y, y.velocity))
     euler = _at(time, x, x.attitude), _at(time - lag, y, y.attitude)
     attitude = _less(*euler)
-    if attitude is not None:
-        attitude -= 2.0 * math.pi * np.round(attitude / (2.0 * math.pi))
     body = euler[0] if euler[1] is None else euler[1]
     track = interpolated(time - lag, y.time_s, _velocity(y))
-    return _Common(time, position, velocity, attitude, track, None if body is None else matrix_from_euler(*body.T))
+    return _Common(
+        time,
+        position,
+        velocity,
+        None if attitude is None else wrapped(attitude),
+        track,
+        None if body is None else matrix_from_euler(*body.T),
+    )
 
 
 def _at(time: FloatArray, solution: Solution, values: FloatArray | None) -> FloatArray | None:

@@ -31,6 +31,11 @@ class Claims:
         return nine_columns(self.position, self.velocity, self.attitude)
 
 
+def wrapped(angle: Array) -> Array:
+    """Angles [rad] within half a turn of 0."""
+    return np.asarray(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)))
+
+
 def nine_columns(position: Array | None, velocity: Array | None, attitude: Array | None) -> Array:
     """Position, velocity and attitude beside each other (n, 9), NaN for what is None; one at least is not."""
     parts = (position, velocity, attitude)
@@ -54,7 +59,8 @@ class Solution:
         "gps" (seconds of GPS time since 1980-01-06), "gps week seconds", "utc" (since 1970-01-01, without leap
         seconds), "day seconds", or empty: from some start. Times go on over the end of a week or a day.
     place : array (n, 3)
-        Latitude [rad], longitude [rad] without jumps of a turn, height above the ellipsoid [m].
+        Latitude [rad], longitude [rad] without jumps of a turn, the first within half a turn, height above the
+        ellipsoid [m].
     velocity : array (n, 3) or None
         North, east, down [m/s].
     attitude : array (n, 3) or None

@@ -11,7 +11,7 @@ from nav_model.base.arrays import interpolated
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
 from nav_model.earth.wgs84 import metres_per_radian
-from nav_model.flown.solution import Solution
+from nav_model.flown.solution import Solution, wrapped
 from nav_model.simulation.design_study import specification
 from nav_model.simulation.trajectory import plan_trajectory
 from nav_model.simulation.truth import true_states
@@ -177,12 +177,12 @@ def _matched(design: Design, time: FloatArray, place: FloatArray, velocity: Floa
         ends = true_states(trajectory, np.array([line.start, min(line.stop, flight.duration)])).position
         north, east = metres_per_radian(*ends[0, [0, 2]])
         scale = np.array([north, east])
-        way = (ends[1, :2] - ends[0, :2]) * scale
+        way = wrapped(ends[1, :2] - ends[0, :2]) * scale
         length = float(np.linalg.norm(way))
         if length < 1.0:
             continue
         along_it = way / length
-        steps = (place[:, :2] - ends[0, :2]) * scale
+        steps = wrapped(place[:, :2] - ends[0, :2]) * scale
         along, across = steps @ along_it, np.abs(steps @ [-along_it[1], along_it[0]])
         speed = np.maximum(np.linalg.norm(velocity, axis=1), 1e-9)
         near = across < max(_LEAST_ACROSS, _ACROSS * length)

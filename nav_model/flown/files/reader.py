@@ -15,7 +15,7 @@ from nav_model.flown.files.accuracies import claims_of
 from nav_model.flown.files.rtklib import is_pos, read_pos
 from nav_model.flown.files.sbet import add_accuracies, read_sbet
 from nav_model.flown.files.table import read_table
-from nav_model.flown.solution import Solution
+from nav_model.flown.solution import Solution, wrapped
 from nav_model.simulation.trajectory import FILE_BOUNDS
 from nav_model.trajectory.files.epochs import Epochs
 from nav_model.trajectory.files.heights import Heights, counted
@@ -155,7 +155,9 @@ def _solution(epochs: Epochs, notes: Heights) -> Solution:
         elif not whole.all():
             notes.note(f"{counted(int(np.sum(~whole)), 'record')} without {member} left out")
             epochs = epochs.at(whole)
-    place = np.column_stack([epochs.place[:, 0], np.unwrap(epochs.place[:, 1]), epochs.place[:, 2]])
+    longitude = np.unwrap(epochs.place[:, 1])
+    longitude += wrapped(longitude[:1]) - longitude[:1]  # of files from 0° to 360°, too
+    place = np.column_stack([epochs.place[:, 0], longitude, epochs.place[:, 2]])
     north, east = metres_per_radian(place[0, 0], place[0, 2])
     way = (np.ptp(place, axis=0) * (north, east, 1.0)).max()
     attitude = epochs.attitude

@@ -146,3 +146,13 @@ def test_a_recorded_track_and_a_dump_of_messages_are_solutions() -> None:
     assert (dump.format, dump.rate_hz, dump.duration_s) == ("table", pytest.approx(10.0), pytest.approx(1.9))
     with pytest.raises(InputError, match="places without times, which are a plan"):
         read_solution(DATA / "brought/24_relative_to_ground.kml", heights=(None, 400.0))
+
+
+def test_longitudes_go_on_over_greenwich_and_over_the_date_line() -> None:
+    """Of the first place they are within half a turn, so that a flight along them is one on the Earth."""
+    for east in (359.99, 179.99, 200.0):
+        longitude = (east + 1e-3 * np.arange(40.0)) % 360.0
+        rows = "\n".join(f"{n},46.0,{degrees:.6f},900" for n, degrees in enumerate(longitude))
+        place = read_solution(f"time [s],latitude [deg],longitude [deg],height [m]\n{rows}\n".encode()).place
+        first = (east + 180.0) % 360.0 - 180.0
+        assert np.degrees(place[:, 1]) == pytest.approx(first + 1e-3 * np.arange(40.0), abs=1e-6)

@@ -13,6 +13,7 @@ from nav_model.design.file import parse_design
 from nav_model.flown.relation import compare
 from nav_model.flown.result import ALL, to_json
 from nav_model.flown.solution import Claims, Solution
+from nav_model.flown.track import stretches_of
 from tests.support import made_flights as made
 
 DESIGN = parse_design("""
@@ -251,3 +252,12 @@ def test_a_kind_is_named_where_nobody_tells_it(flights, of_file, given, note) ->
     result = flown_study(DESIGN, replace(solution, kind=of_file), reference, relation="smoothed", kind=given)
     assert result.kind == (given or of_file or "real-time")
     assert [one for one in result.notes if one.startswith("taken as")] == [note] * bool(note)
+
+
+def test_lines_of_the_plan_are_matched_whatever_turn_a_longitude_counts(flights) -> None:
+    solution, _ = pair(flights, 0)
+    begin, end = solution.time_s[[0, -1]].tolist()
+    far = replace(solution, place=solution.place - np.array([0.0, 2.0 * np.pi, 0.0]))
+    lines, remark = stretches_of(DESIGN, far, begin, end)
+    assert [line.name for line in lines] == ["line 1", "line 2", "line 3"], remark
+    assert lines == stretches_of(DESIGN, solution, begin, end)[0]
