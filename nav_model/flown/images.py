@@ -14,6 +14,7 @@ from nav_model.design.figures import IN_FLIGHT, PARTS_OF_PHASES
 from nav_model.flown.budgeted import Budgeted, Square
 from nav_model.flown.relation import Compared
 from nav_model.flown.result import Jump
+from nav_model.flown.solution import gaps_of
 from nav_model.flown.spread import Sums, covariance_of, freedom, mean_square, of_images
 from nav_model.flown.track import Stretch
 from nav_model.trajectory import aperture
@@ -57,6 +58,8 @@ def images_of(stretch: Stretch, budgeted: Budgeted, compared: Compared, jumps: t
     begin = np.arange(stretch.start, stretch.stop - T + 1e-9, _ACROSS * T)
     at = np.array([jump.time_s for jump in jumps])
     touched = np.searchsorted(at, begin + T, side="right") > np.searchsorted(at, begin - 1e-9)
+    starts, ends = gaps_of(compared.time_s).T  # of either solution
+    touched |= np.searchsorted(starts, begin + T, side="right") > np.searchsorted(ends, begin - 1e-9)
     first = np.searchsorted(compared.time_s, begin)
     last = np.searchsorted(compared.time_s, begin + T, side="right")
     few = last - first < _LEAST_SAMPLES

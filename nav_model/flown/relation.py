@@ -216,9 +216,6 @@ def _difference(x: Solution, y: Solution, lag: float, rate: float) -> _Common:
     from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
     begin, end = max(x.time_s[0], y.time_s[0] + lag), min(x.time_s[-1], y.time_s[-1] + lag)
-    if end - begin < LEAST:
-        reason = f"has {max(end - begin, 0.0):.0f} s in common with the solution; a comparison needs {LEAST:.0f}"
-        raise InputError("reference", f"{reason}. Give the reference of the same flight, on the same clock.")
     # At the times of the slower one: the faster is interpolated, which takes nothing away.
     slower = x.time_s if x.rate_hz <= y.rate_hz else y.time_s + lag
     thin = max(1, round(min(x.rate_hz, y.rate_hz) / rate))
@@ -226,6 +223,9 @@ def _difference(x: Solution, y: Solution, lag: float, rate: float) -> _Common:
     for solution, shift in ((x, 0.0), (y, lag)):  # not in what is not recorded
         for start, stop in solution.gaps:
             time = time[(time <= start + shift) | (time >= stop + shift)]
+    if (shared := float(np.ptp(time)) if time.size else 0.0) < LEAST:
+        reason = f"has {shared:.0f} s in common with the solution; a comparison needs {LEAST:.0f}"
+        raise InputError("reference", f"{reason}. Give the reference of the same flight, on the same clock.")
     of_place = {}
     for name, solution, at in (("x", x, time), ("y", y, time - lag)):
         north, east = metres_per_radian(solution.place[:, 0], solution.place[:, 2])

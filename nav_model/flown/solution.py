@@ -36,6 +36,13 @@ def wrapped(angle: Array) -> Array:
     return np.asarray(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)))
 
 
+def gaps_of(time_s: Array) -> Array:
+    """Start and end [s] of each gap of some times, longer than five median steps: (gaps, 2)."""
+    steps = np.diff(time_s)
+    at = np.flatnonzero(steps > _GAP * np.median(steps))
+    return np.column_stack([time_s[at], time_s[at + 1]])
+
+
 def nine_columns(position: Array | None, velocity: Array | None, attitude: Array | None) -> Array:
     """Position, velocity and attitude beside each other (n, 9), NaN for what is None; one at least is not."""
     parts = (position, velocity, attitude)
@@ -103,6 +110,4 @@ class Solution:
     @property
     def gaps(self) -> list[tuple[float, float]]:
         """Times [s] between which nothing was recorded, for longer than five median steps."""
-        steps = np.diff(self.time_s)
-        starts = np.flatnonzero(steps > _GAP * np.median(steps))
-        return [(float(self.time_s[at]), float(self.time_s[at + 1])) for at in starts]
+        return [(start, stop) for start, stop in gaps_of(self.time_s).tolist()]

@@ -261,3 +261,37 @@ def test_lines_of_the_plan_are_matched_whatever_turn_a_longitude_counts(flights)
     lines, remark = stretches_of(DESIGN, far, begin, end)
     assert [line.name for line in lines] == ["line 1", "line 2", "line 3"], remark
     assert lines == stretches_of(DESIGN, solution, begin, end)[0]
+
+
+def sampled(solution, mask):
+    """A solution at some of its times."""
+    parts = {name: getattr(solution, name)[mask] for name in ("time_s", "place", "velocity", "attitude")}
+    return replace(solution, **parts)
+
+
+def test_a_reference_within_a_gap_of_the_solution_has_nothing_in_common(flights) -> None:
+    solution, reference = pair(flights, 0)
+    x = sampled(solution, (solution.time_s < 1100.0) | (solution.time_s > 1500.0))
+    y = sampled(reference, (reference.time_s > 1110.0) & (reference.time_s < 1490.0))
+    with pytest.raises(InputError, match=r"^reference: has 0 s in common with the solution; a comparison needs 20\."):
+        flown_study(DESIGN, x, y)
+
+
+def test_apertures_over_a_gap_of_either_solution_are_left_out(flights) -> None:
+    """Those too that begin within it, where enough samples of their end are known."""
+    solution = made.solution(flights, flights.smoothed[:, :, 0], 50.0, "post-processed")
+    reference = made.solution(flights, 0.0 * flights.smoothed[:, :, 0], 50.0, "")
+    line, T = flights.spec.lines[1], float(flights.spec.inputs.aperture)
+    begin, end = 1000.0 + line.start + 40.1, 1000.0 + line.start + 40.1 + 0.5 * T
+    counts = []
+    for gap in ("x", "y"):
+        x, y = (
+            sampled(one, (one.time_s <= begin) | (one.time_s >= end)) if gap == name else one
+            for name, one in (("x", solution), ("y", reference))
+        )
+        (flown,) = [each for each in flown_study(DESIGN, x, y).lines if each.name == "line 2"]
+        starts = np.arange(flown.start_s, flown.stop_s - T + 1e-9, 0.25 * T)
+        counts.append(flown.apertures_left_out)
+    times = solution.time_s
+    last, first = times[times <= begin][-1], times[times >= end][0]
+    assert counts == [np.sum((starts <= first) & (starts + T >= last))] * 2
