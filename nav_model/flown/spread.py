@@ -8,6 +8,10 @@ Frazier's adjoint, 0 at the end of the flight), the errors at two points have th
     smoothed       P_i Ψ' (I - Λ_j P_j)
     difference     P_i Ψ' Λ_j P_j          output less smoothed
 
+A pass from the end of the flight, before the fix at i, has the error of later fixes alone, of covariance B, and
+
+    Λ = (P + B)⁻¹
+
 The filter is taken at its word here: what it does not know changes sizes, not which values stand for themselves.
 Sizes come from the covariance along the flight, by source; from here come the freedom, and the image of a filter's
 output, which has the steps of its fixes. Sources: Bryson and Ho, *Applied Optimal Control*, ch. 13; Satterthwaite,
@@ -27,6 +31,7 @@ from nav_model.trajectory.passes import FilterRun, transitions
 
 FloatArray = NDArray[np.float64]
 Error = Literal["output", "smoothed", "difference"]
+_START = 100.0  # variances of the filter, of a pass from the end where it begins
 
 
 class Sums(NamedTuple):
@@ -123,6 +128,27 @@ def covariance_of(model: ErrorModel, run: FilterRun, adjoint: FloatArray, sums: 
             C[on[:, None], :, on[None, :]] += alone.swapaxes(1, 2)  # the two lists of sums come first there
             A[on] += W @ P
     return C
+
+
+def part_of_passes(model: ErrorModel, run: FilterRun, adjoint: FloatArray, outputs: NDArray[np.int64]) -> FloatArray:
+    """Part that a filter's error has in the mean square of its difference to a pass from the end of the flight: of
+    position, velocity and roll, pitch, yaw at some of the outputs together, (9,).
+
+    Parameters
+    ----------
+    model : ErrorModel
+    run : FilterRun
+    adjoint : array (k, m, m)
+        As `later_fixes` gives it.
+    outputs : array of int
+    """
+    nodes, m = model.outputs[outputs], model.states.estimated
+    rows, P = model.output_rows[outputs][:, :, :m], run.covariance[nodes]
+    sigma = np.sqrt(np.diagonal(P, axis1=1, axis2=2))
+    scale = sigma[:, :, None] * sigma[:, None, :]
+    both = scale * np.linalg.inv(scale * adjoint[nodes] + np.eye(m) / _START)
+    alone, apart = (np.einsum("nqi,nij,nqj->q", rows, part, rows) for part in (P, both))
+    return np.asarray(alone / apart)
 
 
 def freedom(C: FloatArray, factors: FloatArray) -> float:

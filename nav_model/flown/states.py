@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.design.processing import POST_PROCESSED, REAL_TIME
+from nav_model.design.processing import REAL_TIME
 from nav_model.flown.budgeted import Budgeted, Square, band
 from nav_model.flown.noise_scale import Scale
 from nav_model.flown.relation import Compared
 from nav_model.flown.solution import Solution, nine_columns
-from nav_model.flown.spread import Error, covariance_of, freedom, of_states
+from nav_model.flown.spread import Error, covariance_of, freedom, of_states, part_of_passes
 from nav_model.flown.track import Stretch
 from nav_model.trajectory.passes import DIFFERENCE
 from nav_model.trajectory.result import STATE_AXES
@@ -117,11 +117,8 @@ def _beyond(
         refused = [empty if d <= 1e-6 * x else "" for d, x in zip(apart, whole, strict=True)]
         return np.where(apart > 0.0, whole / np.where(apart > 0.0, apart, 1.0), 1.0), np.zeros(AXES), refused
     if budgeted.relation == "reverse":
-        # One time alone: the smoothed information is that of both passes together.
-        smoothed = budgeted.states(POST_PROCESSED)[seen.on].mean(axis=0)
-        forward = budgeted.states(REAL_TIME)[seen.on].mean(axis=0)
-        backward = 1.0 / np.maximum(1.0 / smoothed - 1.0 / forward, 1e-12 / forward)
-        return forward / (forward + backward), np.zeros(AXES), refused
+        model, run = budgeted.followed.model, budgeted.followed.run
+        return part_of_passes(model, run, budgeted.adjoint, seen.on), np.zeros(AXES), refused
     claimed = np.zeros(AXES)
     if reference.claims is not None:
         near = np.clip(np.searchsorted(reference.time_s, seen.time_s), 0, len(reference.time_s) - 1)

@@ -172,10 +172,10 @@ def _taken(
 
 def _budgeted(design: Design, track: Track, relation: Relation, kind: str) -> Budgeted:
     """The budget along a flown track, of a solution of this kind and relation to its reference."""
-    needs_both = relation in ("smoothed", "reverse")
-    post_processed = kind == "post-processed" and relation != "smoothed"
-    processings = (REAL_TIME, POST_PROCESSED) if needs_both else (POST_PROCESSED if post_processed else REAL_TIME,)
-    along_it = followed(track.spec, processings, difference=needs_both)
+    difference = relation == "smoothed"
+    post_processed = kind == "post-processed" and relation not in ("smoothed", "reverse")  # those are of a filter
+    processings = (REAL_TIME, POST_PROCESSED) if difference else (POST_PROCESSED if post_processed else REAL_TIME,)
+    along_it = followed(track.spec, processings, difference=difference)
     return Budgeted(design, track, along_it, later_fixes(along_it.model, along_it.run), relation, post_processed)
 
 

@@ -65,6 +65,29 @@ def fly(design: Design, runs: int, seed: int, imu: float = 1.0, gnss: float = 1.
     return Flights(spec, model, run, before, after, smoothed)
 
 
+def backward(flights: Flights, seed: int) -> np.ndarray:
+    """Errors (k, m, runs) of a filter that runs from the end of the flight to its start, before each fix: of later
+    fixes alone, and of noise that is drawn anew."""
+    model, rng = flights.model, np.random.default_rng(seed)
+    k, m, runs = flights.after.shape
+    P = 100.0 * flights.run.covariance[-1]
+    z, errors = root(P) @ rng.standard_normal((m, runs)), np.zeros((k, m, runs))
+    errors[-1] = z
+    for node in range(k - 1, 0, -1):
+        if model.is_fix[node]:
+            H, R = model.rows[node, :, :m], np.diag(model.variance[node])
+            gain = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
+            z = z - gain @ (H @ z + root(R) @ rng.standard_normal((len(H), runs)))
+            P = (np.eye(m) - gain @ H) @ P
+        phi = np.diag(np.concatenate([np.zeros(9), model.decay_factor[node - 1, : m - 9]]))
+        phi[:9] = model.phi[node - 1, :, :m]
+        back, noise = np.linalg.inv(phi), model.filter_noise[node - 1]
+        z = back @ (z + root(noise) @ rng.standard_normal((m, runs)))
+        P = back @ (P + noise) @ back.T
+        errors[node - 1] = z
+    return errors
+
+
 def solution(flights: Flights, errors: np.ndarray, rate: float, kind: str, **others) -> Solution:
     """A solution with these errors (k, m) at the nodes; cubic between them, as position and velocity say."""
     from scipy.interpolate import CubicHermiteSpline

@@ -29,7 +29,7 @@ IN_APERTURES = (
 _STYLES = {"met": "closes", "not met": "does not close"}
 _OF_BAND = {
     "smoothed": "The band is the budget's spread of the difference.",
-    "reverse": "The band is the budget's spread of the difference.",
+    "reverse": "The band is the budget of one pass; the difference has the errors of both.",
     "independent": "The band is the budget of the solution's own error; the reference adds its own.",
     "claims": "There is no second solution: only what the file claims.",
 }
