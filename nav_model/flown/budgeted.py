@@ -67,6 +67,13 @@ class Budgeted:
         """Whose variances the difference shows, among `Followed.states`."""
         return DIFFERENCE if self.relation == "smoothed" else self.processing
 
+    def limits_on(self, stretch: Stretch) -> dict[str, float]:
+        """Limits on one sigma on a stretch, by figure: those of its line in place of the flight's."""
+        spec = self.track.spec
+        return dict(spec.most) | {
+            key: most for line in spec.lines if line.name == stretch.name for key, most in line.most
+        }
+
     def on(self, stretch: Stretch, *, image: bool) -> NDArray[np.bool_]:
         """Mask of the results that count for a stretch, (outputs)."""
         start, stop = self.track.clock.in_flight(np.array([stretch.start, stretch.stop])).tolist()

@@ -22,12 +22,11 @@ def claims_of(solution: Solution, budgeted: Budgeted) -> ClaimsByLine:
     """Claimed and budgeted sigma of the states on each line, where the file claims any."""
     if solution.claims is None:
         return {}
-    limits, budget = dict(budgeted.track.spec.most), budgeted.states(budgeted.processing)
-    sigma = solution.claims.by_axis
+    budget, sigma = budgeted.states(budgeted.processing), solution.claims.by_axis
     by_line = {}
     for stretch in budgeted.track.stretches:
         inside = (solution.time_s >= stretch.start) & (solution.time_s <= stretch.stop)
-        on = budgeted.on(stretch, image=False)
+        on, limits = budgeted.on(stretch, image=False), budgeted.limits_on(stretch)
         by_line[stretch.name] = figures = dict[str, Claimed]()
         for name, axes in STATE_AXES.items():
             known = np.isfinite(sigma[inside, axes]).all(axis=1)

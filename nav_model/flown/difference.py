@@ -44,10 +44,8 @@ def line_of(stretch: Stretch, budgeted: Budgeted, images: Images, states: Mappin
     states : mapping
         Mean squares of the states.
     """
-    limits = dict(budgeted.track.spec.most)
-    limits |= dict(next((line.most for line in budgeted.track.spec.lines if line.name == stretch.name), ()))
     squares = {**images.squares, **states}
-    figures = _figures(squares, limits, budgeted, stretch.stop - stretch.start)
+    figures = _figures(squares, budgeted.limits_on(stretch), budgeted, stretch.stop - stretch.start)
     line = FlownLine(stretch.name, stretch.start, stretch.stop, figures, images.left_out)
     return Flown(line, images.aperture_s, images.apertures, squares)
 

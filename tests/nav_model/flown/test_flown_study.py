@@ -10,6 +10,7 @@ import pytest
 from nav_model import flown_study
 from nav_model.base.errors import InputError
 from nav_model.design.file import parse_design
+from nav_model.design.trajectory import LIMITED
 from nav_model.flown.relation import compare
 from nav_model.flown.result import ALL, to_json
 from nav_model.flown.solution import Claims, Solution
@@ -216,6 +217,19 @@ def test_claims_alone_are_no_error(flights) -> None:
     one = result.claims["line 1"]["horizontal_position"]
     assert one.claimed == pytest.approx(0.5 * design.requirements.confidence)
     assert not result.lines
+
+
+def test_a_claim_is_held_against_the_limit_of_its_line(flights) -> None:
+    solution, _ = pair(flights, 0)
+    claims = Claims("sigma", position=np.full((len(solution.time_s), 3), 0.5))
+    limits = {
+        "requirements.horizontal_position": 4.0,
+        "trajectory.limits": (("line 2", *(0.1 if name == "horizontal_position" else None for name in LIMITED)),),
+    }
+    result = flown_study(DESIGN.replace(limits), replace(solution, claims=claims))
+    met = {name: figures["horizontal_position"].claimed_to_be_met for name, figures in result.claims.items()}
+    assert met == {"line 1": True, "line 2": False, "line 3": True}
+    assert result.reason == "claimed not to be met: a claim is no error"
 
 
 def test_what_has_nothing_in_common_is_refused(flights) -> None:
