@@ -19,7 +19,7 @@ _MOST = 500
 
 
 def jumps_of(compared: Compared, x: Solution, interval: float, step_sigma: float) -> tuple[Jump, ...]:
-    """Jumps in the order of time, the largest 500 of them.
+    """Jumps of what is compared, in the order of time, the largest 500 of them.
 
     A step is a reset beyond six sigma of what fixes do: by the budget, or by the median of the largest steps of each
     fix interval, so that a receiver noisier than its budget makes none.
@@ -49,6 +49,7 @@ def jumps_of(compared: Compared, x: Solution, interval: float, step_sigma: float
             names = x.fix_names[x.fix[n]], x.fix_names[x.fix[n + 1]]
             near = min(int(np.searchsorted(time[1:], x.time_s[n + 1])), len(size) - 1)
             jumps.append(Jump(float(x.time_s[n + 1]), float(size[near]), f"{names[0]} to {names[1]}"))
+    jumps = [jump for jump in jumps if time[0] <= jump.time_s <= time[-1]]
     jumps = sorted(jumps, key=lambda jump: jump.size_m, reverse=True)[:_MOST]
     return tuple(sorted(jumps, key=lambda jump: jump.time_s))
 

@@ -322,3 +322,11 @@ def test_of_two_passes_the_forward_one_has_the_error_that_was_drawn(flights) -> 
         # Not the last line: there the other pass has not settled.
         ratios += [[line.figures[name].ratio for name in STATES] for line in result.lines[:2]]
     assert np.mean(ratios, axis=0) == pytest.approx(1.0, abs=0.15)
+
+
+def test_changes_of_fix_outside_of_what_is_compared_are_no_jumps(flights) -> None:
+    solution, reference = pair(flights, 0)
+    fix = (np.arange(len(solution.time_s)) % 200 == 0).astype(np.int8)
+    some = sampled(reference, (reference.time_s > 1090.0) & (reference.time_s < 1310.0))
+    result = flown_study(DESIGN, replace(solution, fix=fix, fix_names=("fixed", "float")), some)
+    assert [jump.time_s for jump in result.jumps] == [1200.0, 1201.0]
