@@ -26,6 +26,7 @@ _CLEARLY = 6.0  # of the logarithm of the likelihood: a slow error with two para
 _NORMAL = 1.96
 _LAGS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 _DIGITS = 3
+_PARTS: tuple[str, ...] = ("white", "slow", "time")
 
 
 @dataclass(frozen=True)
@@ -36,14 +37,6 @@ class Estimate:
     low_95: float
     high_95: float
     declared: float
-
-
-@dataclass(frozen=True)
-class _Process:
-    """White noise, and a slow error with its time: logarithms, and one sigma of each."""
-
-    logs: FloatArray
-    sigmas: FloatArray
 
 
 def receiver_of(design: Design, compared: Compared) -> Mapping[str, Any]:
@@ -84,11 +77,7 @@ def receiver_of(design: Design, compared: Compared) -> Mapping[str, Any]:
     if compared.velocity is not None:
         velocity = compared.velocity[at][:, :2]
         white = float(np.sqrt(np.mean(np.diff(velocity, n=2, axis=0) ** 2) / 6.0))
-        interval = _NORMAL / math.sqrt(2.0 * len(velocity))
-        declared_speed = gnss.velocity_noise or math.nan
-        result["velocity"] = asdict(
-            Estimate(white, white * math.exp(-interval), white * math.exp(interval), declared_speed)
-        )
+        result["velocity"] = _of_white(white, len(velocity), gnss.velocity_noise or math.nan) if white else None
     lags = [lag for lag in _LAGS if lag < len(time) // 4]
     seen = [float(np.sqrt(np.mean((position[lag:, :2] - position[:-lag, :2]) ** 2) / 2.0)) for lag in lags]
     fade = [math.exp(-lag * step / slow_time) if slow_time else 0.0 for lag in lags]
@@ -112,21 +101,20 @@ def _longest_even(time: FloatArray) -> slice:
 def _of_axes(values: FloatArray, step: float, declared: Sequence[float]) -> tuple[dict[str, Any], str]:
     """White noise and slow error of some axes (n, axes) alike, and why one is not told."""
     values = values - values.mean(axis=0)
+    if not values.any():
+        return dict.fromkeys(_PARTS), "the two are the same"
     duration = len(values) * step
-    fitted = _fitted(values, step)
+    logs, sigmas = _fitted(values, step)
     alone = 0.5 * values.size * (1.0 + math.log(float(np.mean(values**2))))
-    logs, sigmas = fitted.logs, fitted.sigmas
-    names, reason = ["white", "slow", "time"], ""
+    names, reason = _PARTS, ""
     if alone - _less_likely(logs, values, step) < _CLEARLY:
         white = float(np.sqrt(np.mean(values**2)))
-        spread = _NORMAL / math.sqrt(2.0 * values.size)
-        only = asdict(Estimate(white, white * math.exp(-spread), white * math.exp(spread), declared[0]))
-        return {"white": only, "slow": None, "time": None}, ""
+        return dict.fromkeys(_PARTS) | {"white": _of_white(white, values.size, declared[0])}, ""
     if duration < _TIMES * math.exp(logs[2]):
-        names = ["white"]
+        names = ("white",)
         reason = f"{duration:.0f} s are fewer than {_TIMES:.0f} correlation times of {math.exp(logs[2]):.0f} s"
-    estimates: dict[str, Any] = dict.fromkeys(("white", "slow", "time"))
-    for name, log, sigma, given in zip(("white", "slow", "time"), logs, sigmas, declared, strict=True):
+    estimates: dict[str, Any] = dict.fromkeys(_PARTS)
+    for name, log, sigma, given in zip(_PARTS, logs, sigmas, declared, strict=True):
         if name in names and math.isfinite(sigma) and sigma < 1.0:
             ends = math.exp(log - _NORMAL * sigma), math.exp(log + _NORMAL * sigma)
             estimates[name] = asdict(Estimate(math.exp(log), *ends, given))
@@ -135,8 +123,14 @@ def _of_axes(values: FloatArray, step: float, declared: Sequence[float]) -> tupl
     return estimates, reason
 
 
-def _fitted(values: FloatArray, step: float) -> _Process:
-    """The process of greatest likelihood, from some times at which it may begin."""
+def _of_white(sigma: float, count: int, declared: float) -> dict[str, float]:
+    """White noise of so many values, with the interval of its sigma."""
+    interval = math.exp(_NORMAL / math.sqrt(2.0 * count))
+    return asdict(Estimate(sigma, sigma / interval, sigma * interval, declared))
+
+
+def _fitted(values: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
+    """White noise, slow error and its time that are likeliest, as logarithms, and one sigma of each."""
     from scipy.optimize import minimize
 
     # Second differences have next to nothing of what is slow.
@@ -160,7 +154,7 @@ def _fitted(values: FloatArray, step: float) -> _Process:
             curvature[i, j] = (ends[0] - ends[1] - ends[2] + ends[3]) / (4.0 * h * h)
     eigen = np.linalg.eigvalsh(curvature)
     sigmas = np.sqrt(np.diag(np.linalg.inv(curvature))) if eigen[0] > 0.0 else np.full(3, np.inf)
-    return _Process(logs, sigmas)
+    return logs, sigmas
 
 
 def _less_likely(logs: FloatArray, values: FloatArray, step: float) -> float:

@@ -54,3 +54,9 @@ def test_one_press_takes_the_noise_with_its_origin() -> None:
     assert design.gnss.position_noise == pytest.approx(0.3, rel=0.1)
     assert design.gnss.correlated
     assert "from the fixes of flight 7.pos" in adoption.origins["gnss.correlated_noise"]
+
+
+def test_fixes_that_are_those_of_the_reference_tell_nothing() -> None:
+    receiver = receiver_of(DESIGN, drawn(400, 0.0, 0.0, 10.0))
+    assert receiver["horizontal"]["white"] is None
+    assert "horizontal: the two are the same" in receiver["reason"]
