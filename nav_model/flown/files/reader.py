@@ -11,11 +11,10 @@ import numpy as np
 from nav_model.base.errors import InputError
 from nav_model.base.text.file_kind import kind_of
 from nav_model.earth.wgs84 import metres_per_radian
-from nav_model.flown.files.accuracies import claims_of
 from nav_model.flown.files.rtklib import is_pos, read_pos
 from nav_model.flown.files.sbet import add_accuracies, read_sbet
 from nav_model.flown.files.table import read_table
-from nav_model.flown.solution import Solution, wrapped
+from nav_model.flown.solution import Claims, Solution, wrapped
 from nav_model.simulation.trajectory import FILE_BOUNDS
 from nav_model.trajectory.files.epochs import Epochs
 from nav_model.trajectory.files.heights import Heights, counted
@@ -163,9 +162,24 @@ def _solution(epochs: Epochs, notes: Heights) -> Solution:
     attitude = epochs.attitude
     if attitude is not None:
         attitude = np.column_stack([np.unwrap(attitude[:, 0]), attitude[:, 1], np.unwrap(attitude[:, 2])])
-    claims = claims_of(epochs, notes)
     still = [f"this is no flight: all places are within {way:.2g} m"] if way < _AT_REST else []
     return Solution(
-        epochs.format, epochs.kind, epochs.time, epochs.clock, place, epochs.velocity, attitude, claims,
-        epochs.fix, epochs.fix_names, epochs.smoothing, (*still, *notes.notes),
+        epochs.format, epochs.kind, epochs.time, epochs.clock, place, epochs.velocity, attitude,
+        _claims(epochs, notes), epochs.fix, epochs.fix_names, epochs.smoothing, (*still, *notes.notes),
     )  # fmt: skip
+
+
+def _claims(epochs: Epochs, notes: Heights) -> Claims | None:
+    """The claims of epochs; rows of zeros are none, nor are sigmas below zero."""
+    members = {}
+    for name in ("position", "velocity", "attitude"):
+        sigma = getattr(epochs, f"sigma_{name}")
+        if sigma is None:
+            continue
+        with np.errstate(invalid="ignore"):
+            empty = ~(sigma >= 0.0).all(axis=1) | (sigma == 0.0).all(axis=1)
+        if empty.all():
+            notes.note(f"the sigmas of the {name} are zero, which is no claim")
+        else:
+            members[name] = np.where(empty[:, None], np.nan, sigma)
+    return Claims(epochs.accuracy, **members) if members else None

@@ -115,8 +115,6 @@ def add_accuracies(epochs: Epochs, content: Buffer, heights: Heights, name: str)
         Where the two have no time in common.
     """
     records = np.array(records_of(content, ACCURACIES), dtype=np.float64)
-    if epochs.clock == "gps":
-        records[:, 0] += 604_800.0 * np.floor(epochs.time[0] / 604_800.0)
     time = unrolled(records[:, 0], heights)
     size = _ARC_MINUTE
     if np.median(records[:, 7]) < _LEAST_TILT:
