@@ -37,9 +37,9 @@ class Source:
 class FlownFlight:
     """A flown flight beside the budget of its design.
 
-    result: with every n-th sample of its series and solutions. data: the result as `nav_model.flown.result.to_json`
-    tells it, of all samples. north, east: of the track from its first place [m], at the times of the solution that
-    the result has.
+    result: with every n-th sample of its series and solution, without the reference. data: the result as
+    `nav_model.flown.result.to_json` gives it, of all samples. north, east: of the track from its first place [m], at
+    the times of the solution that the result has.
     """
 
     design: Design
@@ -138,26 +138,22 @@ def _read(files: Sequence[File], sources: list[Source]) -> Solution:
 
 def _thinned(result: FlownResult) -> FlownResult:
     """A result with as many samples as are drawn: a solution of an hour has 100 MB."""
-    compared, reference = result.compared, result.reference
+    compared = result.compared
     if compared is not None:
         at = _some(len(compared.time_s))
         compared = replace(
             compared, time_s=compared.time_s[at], position=compared.position[at], velocity=None, attitude=None,
             track=compared.track[at],
         )  # fmt: skip
-    return replace(
-        result,
-        solution=_thin(result.solution),
-        reference=None if reference is None else _thin(reference),
-        compared=compared,
-    )
+    return replace(result, solution=_thin(result.solution), reference=None, compared=compared)
 
 
 def _thin(solution: Solution) -> Solution:
     at = _some(len(solution.time_s))
     claims = solution.claims
-    if claims is not None and claims.position is not None:
-        claims = replace(claims, position=claims.position[at], velocity=None, attitude=None)
+    if claims is not None:
+        position = None if claims.position is None else claims.position[at]
+        claims = replace(claims, position=position, velocity=None, attitude=None)
     return replace(
         solution, time_s=solution.time_s[at], place=solution.place[at], claims=claims, velocity=None, attitude=None,
         fix=None,

@@ -264,3 +264,13 @@ def test_each_sentence_of_a_verdict_begins_with_a_capital(design: Design, tmp_pa
         r"Met \(the reference .*\)\. Horizontal position of 2\sm: met on .*; vertical position of 3\sm: ", words
     )
     assert all(one[0].isupper() and one[-1] == "." for one in answer(result).sentences)
+
+
+def test_claims_of_attitude_alone_do_not_swell_what_goes_to_the_page(design: Design, tmp_path: Path) -> None:
+    time = np.arange(0.0, 400.0, 0.02)
+    names, *rows = table(time, np.zeros((len(time), 3))).decode().splitlines()
+    beside = ",sd_roll [deg],sd_pitch [deg],sd_heading [deg]", ",0.010123,0.010234,0.050345"
+    content = "\n".join([names + beside[0], *(row + beside[1] for row in rows)]).encode()
+    flight = hold(design, files(tmp_path, fine=content)["fine"])
+    assert flight.data["claims"]["stretch 1"]["heading"]["claimed"] == pytest.approx(math.radians(0.050345))
+    assert len(pickle.dumps(flight)) < 500_000
