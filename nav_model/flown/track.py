@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from nav_model.base.arrays import interpolated
 from nav_model.budget.inputs import inputs_of
 from nav_model.design import Design
+from nav_model.design.trajectory import lines_in_words
 from nav_model.earth.wgs84 import metres_per_radian
 from nav_model.flown.solution import Solution, wrapped
 from nav_model.simulation.design_study import specification
@@ -97,9 +98,10 @@ def track_of(design: Design, solution: Solution, begin: float, end: float, *, at
     )
     notes = [note, *heights.notes]
     names = {line.name for line in lines}
-    if any(name not in names for name, *_ in design.trajectory.limits):
-        design = design.replace({"trajectory.limits": ()})
-        notes.append("limits of single lines are left out, as these lines were not flown")
+    limits = tuple(row for row in design.trajectory.limits if row[0] in names)
+    if others := [name for name, *_ in design.trajectory.limits if name not in names]:
+        design = design.replace({"trajectory.limits": limits})
+        notes.append(f"without the limits of {lines_in_words([*dict.fromkeys(others)])}, not flown")
     # The results lie at the fixes, or at four moments between them in turn.
     spacing = design.gnss.interval * (1.0 if at_fixes else 1.25)
     study = specification(

@@ -26,6 +26,7 @@ trajectory.lines = 3
 trajectory.length = "9 km"
 trajectory.spacing = "2 km"
 """)
+LINES = ("line 1", "line 2", "line 3")
 STATES = {"horizontal_position": slice(0, 2), "horizontal_velocity": slice(3, 5), "tilt": slice(6, 8)}
 
 
@@ -273,7 +274,7 @@ def test_lines_of_the_plan_are_matched_whatever_turn_a_longitude_counts(flights)
     begin, end = solution.time_s[[0, -1]].tolist()
     far = replace(solution, place=solution.place - np.array([0.0, 2.0 * np.pi, 0.0]))
     lines, remark = stretches_of(DESIGN, far, begin, end)
-    assert [line.name for line in lines] == ["line 1", "line 2", "line 3"], remark
+    assert [line.name for line in lines] == [*LINES], remark
     assert lines == stretches_of(DESIGN, solution, begin, end)[0]
 
 
@@ -330,3 +331,14 @@ def test_changes_of_fix_outside_of_what_is_compared_are_no_jumps(flights) -> Non
     some = sampled(reference, (reference.time_s > 1090.0) & (reference.time_s < 1310.0))
     result = flown_study(DESIGN, replace(solution, fix=fix, fix_names=("fixed", "float")), some)
     assert [jump.time_s for jump in result.jumps] == [1200.0, 1201.0]
+
+
+def test_limits_of_the_lines_that_were_flown_count(flights) -> None:
+    solution, reference = pair(flights, 0)
+    rows = [(name, *(4.0 if figure == "horizontal_position" else None for figure in LIMITED)) for name in LINES]
+    end = 1000.0 + flights.spec.lines[1].stop + 5.0
+    x, y = (sampled(one, one.time_s < end) for one in (solution, reference))
+    result = flown_study(DESIGN.replace({"trajectory.limits": tuple(rows)}), x, y)
+    limits = {line.name: line.figures["horizontal_position"].limit for line in result.lines if line.name != ALL}
+    assert limits == {"line 1": pytest.approx(4.0), "line 2": pytest.approx(4.0)}
+    assert "without the limits of line 3, not flown" in result.notes
