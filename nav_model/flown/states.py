@@ -74,6 +74,15 @@ def states_of(seen: Seen, budgeted: Budgeted, scale: Scale, reference: Solution)
     }
 
 
+def claimed_by(reference: Solution, seen: Seen) -> FloatArray:
+    """Mean squares of its own error that a reference claims on a line, by axis (9,), 0 where it claims none."""
+    if reference.claims is None:
+        return np.zeros(AXES)
+    near = np.clip(np.searchsorted(reference.time_s, seen.time_s), 0, len(reference.time_s) - 1)
+    sigma = reference.claims.by_axis[near]
+    return np.asarray(np.nansum(sigma**2, axis=0) / np.maximum(np.isfinite(sigma).sum(axis=0), 1))
+
+
 def _of_axes(
     seen: FloatArray, beyond: FloatArray, output: FloatArray, of: Seen, axes: list[int], refused: Sequence[str]
 ) -> Square:
@@ -119,11 +128,7 @@ def _beyond(
     if budgeted.relation == "reverse":
         model, run = budgeted.followed.model, budgeted.followed.run
         return part_of_passes(model, run, budgeted.adjoint, seen.on), np.zeros(AXES), refused
-    claimed = np.zeros(AXES)
-    if reference.claims is not None:
-        near = np.clip(np.searchsorted(reference.time_s, seen.time_s), 0, len(reference.time_s) - 1)
-        sigma = reference.claims.by_axis[near]
-        claimed = np.nansum(sigma**2, axis=0) / np.maximum(np.isfinite(sigma).sum(axis=0), 1)
+    claimed = claimed_by(reference, seen)
     for axis in np.flatnonzero(claimed > 0.5 * seen.mean_square):
         refused[axis] = "the reference's claim is more than half of the difference"
     return np.ones(AXES), -claimed, refused

@@ -24,7 +24,7 @@ from nav_model.flown.relation import LEAST, RELATIONS, Compared, Relation, compa
 from nav_model.flown.result import ALL, FlownLine, FlownResult, Jump, Series, overall
 from nav_model.flown.solution import Solution
 from nav_model.flown.spread import later_fixes
-from nav_model.flown.states import AXES, Seen, seen_on, states_of
+from nav_model.flown.states import AXES, Seen, claimed_by, seen_on, states_of
 from nav_model.flown.track import Stretch, Track, track_of
 from nav_model.trajectory.covariance import followed
 
@@ -110,7 +110,7 @@ def flown_study(
     if compared is not None and reference is not None:
         jumps = jumps_of(compared, solution, design.gnss.interval, step_sigma(budgeted, compared))
         seen = {stretch: seen_on(stretch, budgeted, compared) for stretch in track.stretches}
-        scale = _scale(budgeted, seen)
+        scale = _scale(budgeted, seen, flies)
         for number, (stretch, on_it) in enumerate(seen.items()):
             progress(stretch.name, 0.4 + 0.5 * number / len(seen))
             states = states_of(on_it, budgeted, scale, flies) if on_it else {}
@@ -194,28 +194,20 @@ def _flown(solution: Solution, reference: Solution, compared: Compared) -> Solut
     return replace(reference, time_s=time, fix=kinds, fix_names=solution.fix_names)
 
 
-def _scale(budgeted: Budgeted, seen: Mapping[Stretch, Seen | None]) -> Scale:
+def _scale(budgeted: Budgeted, seen: Mapping[Stretch, Seen | None], reference: Solution) -> Scale:
     """The noise of IMU and receiver over that of the design, by all lines."""
     known = [(stretch.stop - stretch.start, one) for stretch, one in seen.items() if one is not None]
     sources = budgeted.followed.model.states.sources
     if not known or budgeted.relation == "reverse":
         return Scale(np.ones(len(sources)), {})
-    time = sum(duration for duration, _ in known)
-    variances = budgeted.followed.states[budgeted.seen]
-    of_budget, of_flight, freedom = (
-        np.sum(parts, axis=0)
-        for parts in zip(
-            *(
-                (
-                    duration / time * variances[:, one.on].mean(axis=1),
-                    duration / time * one.mean_square,
-                    np.array([one.freedom(axis) for axis in range(AXES)]),
-                )
-                for duration, one in known
-            ),
-            strict=True,
-        )
-    )
+    time, variances = sum(duration for duration, _ in known), budgeted.followed.states[budgeted.seen]
+    of_budget, of_flight = np.zeros(variances.shape[::2]), np.zeros(AXES)
+    for duration, one in known:
+        of_budget += duration / time * variances[:, one.on].mean(axis=1)
+        of_flight += duration / time * one.mean_square
+        if budgeted.relation == "independent":  # whose error is no noise of these
+            of_flight -= duration / time * claimed_by(reference, one)
+    freedom = np.sum([[one.freedom(axis) for axis in range(AXES)] for _, one in known], axis=0)
     return scale_of(sources, of_budget, of_flight, freedom)
 
 

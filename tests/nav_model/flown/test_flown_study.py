@@ -342,3 +342,15 @@ def test_limits_of_the_lines_that_were_flown_count(flights) -> None:
     limits = {line.name: line.figures["horizontal_position"].limit for line in result.lines if line.name != ALL}
     assert limits == {"line 1": pytest.approx(4.0), "line 2": pytest.approx(4.0)}
     assert "without the limits of line 3, not flown" in result.notes
+
+
+def test_claimed_noise_of_a_reference_is_none_of_imu_and_receiver(flights) -> None:
+    solution, _ = pair(flights, 0)
+    exact = made.solution(flights, 0.0 * flights.after[:, :, 0], 1.0, "")
+    noise = 0.15 * np.random.default_rng(3).standard_normal(exact.place.shape)
+    claims = Claims("sigma", position=np.full_like(noise, 0.15))
+    noisy = replace(exact, place=exact.place + noise / [6.37e6, 6.37e6, 1.0], claims=claims)
+    expected, seen = (
+        flown_study(DESIGN, solution, one, relation="independent").noise["gnss"].value for one in (exact, noisy)
+    )
+    assert seen == pytest.approx(expected, rel=0.05)
