@@ -41,7 +41,7 @@ def answer(result: FlownResult) -> Answer:
     sign, tone = _SIGNS.get(result.verdict, ("", "open"))
     parts = _figures(result) or [result.reason]
     taken = MEANINGS[result.relation]
-    if result.guessed:
+    if result.guessed and result.compared is not None:
         taken += "; the files tell nothing else" if result.relation == "independent" else ", as the files tell"
     return Answer(f"{sign}{result.verdict.capitalize()}", tone, tuple(whole(one) for one in (*parts, taken)))
 

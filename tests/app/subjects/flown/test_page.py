@@ -167,6 +167,7 @@ def test_without_a_second_solution_there_are_claims_alone(design: Design, tmp_pa
     flight = hold(design, files(tmp_path, fixes=FIXES)["fixes"])
     assert flight.result.verdict == "cannot be told"
     assert "no second solution" in sentence(flight.result)
+    assert answer(flight.result).sentences[-1] == "No second solution: only what the file claims."
     assert "claims no accuracy" in str(flight_blocks(flight))
     assert "second solution" in str(jump_block(flight))
     assert np.isnan(timelines(flight, main_figure(flight))[1].lines[0].y).all()
