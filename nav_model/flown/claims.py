@@ -62,7 +62,7 @@ def nees_of(
     ----------
     relation : str
     x, y : Solution
-        The solution and its reference, each on the clock of its file.
+        The solution and its reference, both on the solution's clock.
     compared : Compared
     lines : sequence of FlownLine
         Whose degrees of freedom count.
@@ -71,9 +71,8 @@ def nees_of(
         return {}
     if x.claims.position is None or y.claims.position is None:
         return {}
-    lag = compared.lag.value if compared.lag.removed else 0.0
     of_x = interpolated(compared.time_s, x.time_s, x.claims.position**2)
-    of_y = interpolated(compared.time_s - lag - compared.clock_shift, y.time_s, y.claims.position**2)
+    of_y = interpolated(compared.time_s, y.time_s, y.claims.position**2)
     variance = of_x - of_y if relation == "smoothed" else of_x + of_y
     known = np.isfinite(variance).all(axis=1) & (variance > 0.0).all(axis=1)
     position = [line.figures.get("horizontal_position") for line in lines if line.name != ALL]

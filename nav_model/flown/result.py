@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from nav_model.flown.noise_scale import Factor
 from nav_model.flown.relation import Compared, Relation
 from nav_model.flown.solution import Solution
-from nav_model.flown.track import Clock
 from nav_model.trajectory.specification import CovarianceSpec
 
 FloatArray = NDArray[np.float64]
@@ -104,23 +103,21 @@ class FlownResult:
     """
 
     spec: CovarianceSpec
-    clock: Clock
     solution: Solution
-    reference: Solution | None
     relation: Relation
     guessed: bool
-    kind: str
-    compared: Compared | None
-    jumps: tuple[Jump, ...]
-    lines: tuple[FlownLine, ...]
     claims: Mapping[str, Mapping[str, Claimed]]
-    nees: Mapping[str, float]
-    receiver: Mapping[str, Any]
-    noise: Mapping[str, Factor]
-    series: Series | None
     verdict: FlownVerdict
     reason: str
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = ()
+    reference: Solution | None = None
+    compared: Compared | None = None
+    jumps: tuple[Jump, ...] = ()
+    lines: tuple[FlownLine, ...] = ()
+    nees: Mapping[str, float] = field(default_factory=dict)
+    receiver: Mapping[str, Any] = field(default_factory=dict)
+    noise: Mapping[str, Factor] = field(default_factory=dict)
+    series: Series | None = None
 
     @property
     def decisive(self) -> tuple[FlownLine, str, Measured] | None:
@@ -173,24 +170,12 @@ def overall(lines: tuple[FlownLine, ...]) -> tuple[FlownVerdict, str]:
 
 def to_json(result: FlownResult) -> dict[str, Any]:
     """The result as plain data for JSON, in SI; null for what is not known."""
-    compared = result.compared
-    solution = result.solution
     content = {
-        "solution": _solution(solution) | {"kind": result.kind},
+        "solution": _solution(result.solution),
         "reference": None if result.reference is None else _solution(result.reference),
         "relation": result.relation,
         "relation_guessed": result.guessed,
-        "lag_s": None if compared is None else asdict(compared.lag),
-        "offset_m": None
-        if compared is None
-        else dict(zip(("north", "east", "down"), (each.value for each in compared.offset), strict=True)),
-        "offset_sigma_m": None
-        if compared is None
-        else dict(zip(("north", "east", "down"), (each.sigma for each in compared.offset), strict=True)),
-        "lever_arm_m": None
-        if compared is None or compared.lever_arm is None
-        else {axis: asdict(arm) for axis, arm in zip(("forward", "right", "down"), compared.lever_arm, strict=False)},
-        "remark": "" if compared is None else compared.remark,
+        **_fitted(result.compared),
         "jumps": [asdict(jump) for jump in result.jumps],
         "lines": [
             {
@@ -214,6 +199,21 @@ def to_json(result: FlownResult) -> dict[str, Any]:
         "reason": result.reason,
     }
     return dict(_plain(content))
+
+
+def _fitted(compared: Compared | None) -> dict[str, Any]:
+    """The numbers that were fitted between two solutions."""
+    if compared is None:
+        return {"lag_s": None, "offset_m": None, "offset_sigma_m": None, "lever_arm_m": None, "remark": ""}
+    offset = dict(zip(("north", "east", "down"), compared.offset, strict=True))
+    arms = zip(("forward", "right", "down"), compared.lever_arm or (), strict=False)
+    return {
+        "lag_s": asdict(compared.lag),
+        "offset_m": {axis: one.value for axis, one in offset.items()},
+        "offset_sigma_m": {axis: one.sigma for axis, one in offset.items()},
+        "lever_arm_m": {axis: asdict(arm) for axis, arm in arms} or None,
+        "remark": compared.remark,
+    }
 
 
 def _solution(solution: Solution) -> dict[str, Any]:

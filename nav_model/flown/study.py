@@ -1,9 +1,8 @@
 """Did the flight meet the budget? A solution of it, with or without a second one, against a design."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +18,9 @@ from nav_model.flown.difference import Flown, line_of, together
 from nav_model.flown.images import images_of
 from nav_model.flown.jumps import jumps_of, step_sigma
 from nav_model.flown.noise_fit import receiver_of
-from nav_model.flown.noise_scale import Factor, Scale, scale_of
+from nav_model.flown.noise_scale import Scale, scale_of
 from nav_model.flown.relation import LEAST, RELATIONS, Compared, Relation, compare, guessed
-from nav_model.flown.result import ALL, FlownLine, FlownResult, Jump, Series, overall
+from nav_model.flown.result import ALL, FlownLine, FlownResult, Series, overall
 from nav_model.flown.solution import Solution
 from nav_model.flown.spread import later_fixes
 from nav_model.flown.states import AXES, Seen, claimed_by, seen_on, states_of
@@ -101,53 +100,56 @@ def flown_study(
     track = track_of(design, flies, begin, end, at_fixes=at_fixes)
     progress("followed", 0.2)
     budgeted = _budgeted(design, track, chosen, solution.kind)
-    flown: list[Flown] = []
-    jumps: tuple[Jump, ...] = ()
-    series: Series | None = None
-    noise: Mapping[str, Factor] = {}
-    nees: Mapping[str, float] = {}
-    receiver: Mapping[str, Any] = {}
-    if compared is not None and reference is not None:
-        jumps = jumps_of(compared, solution, design.gnss.interval, step_sigma(budgeted, compared))
-        seen = {stretch: seen_on(stretch, budgeted, compared) for stretch in track.stretches}
-        scale = _scale(budgeted, seen, flies)
-        for number, (stretch, on_it) in enumerate(seen.items()):
-            progress(stretch.name, 0.4 + 0.5 * number / len(seen))
-            states = states_of(on_it, budgeted, scale, flies) if on_it else {}
-            flown.append(line_of(stretch, budgeted, images_of(stretch, budgeted, compared, jumps), states))
-        series, noise = _series(budgeted, flown), scale.factors
-        nees = nees_of(chosen, solution, reference, compared, [each.line for each in flown])
-        progress("receiver", 0.95)
-        if solution.attitude is None:
-            receiver = receiver_of(design, compared)
-    lines = [each.line for each in flown]
-    if len(flown) > 1:
-        lines.append(together(flown, budgeted))
     claims = claims_of(solution, budgeted)
-    verdict, reason = overall(tuple(lines))
-    if compared is None:
-        verdict, reason = "cannot be told", claimed(claims)
-    elif denied := _denied(chosen, reference, lines):
-        notes.append(denied)
-    return FlownResult(
-        spec=track.spec,
-        clock=track.clock,
-        solution=solution,
-        reference=reference,
-        relation=chosen,
-        guessed=relation is None,
-        kind=solution.kind,
-        compared=compared,
+    alone = FlownResult(
+        spec=track.spec, solution=solution, relation=chosen, guessed=relation is None, claims=claims,
+        verdict="cannot be told", reason=claimed(claims), notes=(*notes, *track.notes),
+    )  # fmt: skip
+    if compared is None or reference is None:
+        return alone
+    return _beside(replace(alone, reference=reference, compared=compared), budgeted, compared, flies, progress)
+
+
+def _beside(
+    alone: FlownResult, budgeted: Budgeted, compared: Compared, reference: Solution, progress: Progress
+) -> FlownResult:
+    """The result with what the difference to a reference shows.
+
+    Parameters
+    ----------
+    alone : FlownResult
+        Of the solution.
+    budgeted : Budgeted
+    compared : Compared
+    reference : Solution
+        On the solution's clock.
+    progress : callable
+    """
+    design, solution = budgeted.design, alone.solution
+    jumps = jumps_of(compared, solution, design.gnss.interval, step_sigma(budgeted, compared))
+    seen = {stretch: seen_on(stretch, budgeted, compared) for stretch in budgeted.track.stretches}
+    scale, flown = _scale(budgeted, seen, reference), list[Flown]()
+    for number, (stretch, on_it) in enumerate(seen.items()):
+        progress(stretch.name, 0.4 + 0.5 * number / len(seen))
+        states = states_of(on_it, budgeted, scale, reference) if on_it else {}
+        flown.append(line_of(stretch, budgeted, images_of(stretch, budgeted, compared, jumps), states))
+    lines = tuple(each.line for each in flown)
+    if len(flown) > 1:
+        lines = (*lines, together(flown, budgeted))
+    verdict, reason = overall(lines)
+    denied = _denied(budgeted.relation, reference, lines)
+    progress("receiver", 0.95)
+    return replace(
+        alone,
         jumps=jumps,
-        lines=tuple(lines),
-        claims=claims,
-        nees=nees,
-        receiver=receiver,
-        noise=noise,
-        series=series,
+        lines=lines,
+        nees=nees_of(budgeted.relation, solution, reference, compared, lines),
+        receiver=receiver_of(design, compared) if solution.attitude is None else {},
+        noise=scale.factors,
+        series=_series(budgeted, flown),
         verdict=verdict,
         reason=reason,
-        notes=(*notes, *track.notes),
+        notes=(*alone.notes, denied) if denied else alone.notes,
     )
 
 
@@ -223,12 +225,12 @@ def _series(budgeted: Budgeted, flown: list[Flown]) -> Series:
     return Series(at, apertures, budgeted.track.clock.of_solution(budgeted.outputs_s), np.sqrt(spread))
 
 
-def _denied(relation: Relation, reference: Solution | None, lines: list[FlownLine]) -> str:
+def _denied(relation: Relation, reference: Solution, lines: Sequence[FlownLine]) -> str:
     """Why the data deny that the reference is smoothed, or on which condition the verdict stands."""
     if relation != "smoothed":
         return ""
     condition = "the verdict stands if the reference is the smoothed answer on the same data"
-    if reference is not None and reference.kind == "real-time":
+    if reference.kind == "real-time":
         return "the relation is denied: the reference is a real-time solution too"
     # One factor on all figures that noise of an IMU would move apart is none of noise. [P-17]
     logs, weights = list[float](), list[float]()

@@ -265,7 +265,7 @@ def test_a_track_that_repeats_itself_has_no_lag_of_a_period() -> None:
 def test_a_kind_is_named_where_nobody_tells_it(flights, of_file, given, note) -> None:
     solution, reference = pair(flights, 0)
     result = flown_study(DESIGN, replace(solution, kind=of_file), reference, relation="smoothed", kind=given)
-    assert result.kind == (given or of_file or "real-time")
+    assert result.solution.kind == (given or of_file or "real-time")
     assert [one for one in result.notes if one.startswith("taken as")] == [note] * bool(note)
 
 
