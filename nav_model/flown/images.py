@@ -55,56 +55,61 @@ def images_of(stretch: Stretch, budgeted: Budgeted, compared: Compared, jumps: t
         Which no aperture may touch.
     """
     x, T = budgeted.x, float(budgeted.x.aperture)
-    begin = np.arange(stretch.start, stretch.stop - T + 1e-9, _ACROSS * T)
-    at = np.array([jump.time_s for jump in jumps])
-    touched = np.searchsorted(at, begin + T, side="right") > np.searchsorted(at, begin - 1e-9)
-    starts, ends = gaps_of(compared.time_s).T  # of either solution
-    touched |= np.searchsorted(starts, begin + T, side="right") > np.searchsorted(ends, begin - 1e-9)
-    first = np.searchsorted(compared.time_s, begin)
-    last = np.searchsorted(compared.time_s, begin + T, side="right")
-    few = last - first < _LEAST_SAMPLES
+    usable, left_out, why = _usable(stretch, T, compared, jumps)
     budget = _of_budget(stretch, budgeted)
-    usable = begin[~touched & ~few]
     if not usable.size:
-        why = "the plan's line is shorter than an aperture" if not begin.size else ""
-        if few.any():
-            why = f"fewer than {_LEAST_SAMPLES} samples in an aperture of {T:.3g} s"
-        elif touched.any():
-            why = "a jump, a gap or a change of fix in every aperture"
         empty = {
             name: Square(math.nan, 0.0, others, navigation, 0.0, 0, why)
             for name, (navigation, others) in budget.items()
         }
-        return Images(empty, int(touched.sum()), np.zeros(0), {})
+        return Images(empty, left_out, usable, {})
     columns, rest = sums_of_samples(compared.time_s, compared.position, compared.track, usable, x)
     squares = columns**2
-    mean, mean_rest = squares.mean(axis=0), np.full((1, 1), rest.mean())
-    values = {name: float(one[0, 0]) for name, one in aperture.figures(mean[None, None], x, mean_rest).items()}
-    values |= _places(mean, x)
+    values = _of_sums(squares.mean(axis=0), float(rest.mean()), x)
     white = _of_white(stretch, compared, usable, x)
     C, columns_of_C, factors, window = _spread(usable, budgeted)
     expected = np.zeros(aperture.COLUMNS)
     expected[columns_of_C] = mean_square(C)
-    of_output = _places(expected, x)  # of the filter's output, steps and all, as is each phase below
-    by_aperture = aperture.figures(squares[None], x, rest[None])
+    of_output = _of_sums(expected, 0.0, x)  # of a filter's output, steps and all
     made: dict[str, Square] = {}
     refused = _COMMON if budgeted.relation == "reverse" else "" if budgeted.post_processed else _FILTER
     for name, (navigation, others) in budget.items():
         degrees = freedom(C, factors[name]) * len(usable) / window
         if not budgeted.post_processed:
-            navigation = of_output[name] if name in PLACES else float(expected[columns_of_C] @ factors[name])
+            navigation = of_output[name]
         noise = white.get(name, 0.0)
-        why = refused or (_NOISY if noise > 0.5 * values[name] else "")
-        made[name] = Square(values[name], -noise, others, navigation, degrees, len(usable), why)
+        reason = refused or (_NOISY if noise > 0.5 * values[name] else "")
+        made[name] = Square(values[name], -noise, others, navigation, degrees, len(usable), reason)
+    by_aperture = aperture.figures(squares[None], x, rest[None])
     series = {name: np.sqrt(np.maximum(by_aperture[name][0], 0.0)) for name in made if name in by_aperture}
-    return Images(made, int(touched.sum()), usable + 0.5 * T, series)
+    return Images(made, left_out, usable + 0.5 * T, series)
 
 
-def _places(mean: FloatArray, x: Inputs) -> dict[str, float]:
-    """Variances [m²] of the figures of place, of mean squares of an aperture's sums (COLUMNS)."""
-    moved = aperture.shifts_of(mean[None])
-    figures = places_of(moved, aperture.shifts_of(mean[None, None]), x)
-    return {name: float(sigma[0] ** 2) for name, (sigma, _) in figures.items()}
+def _usable(stretch: Stretch, T: float, compared: Compared, jumps: tuple[Jump, ...]) -> tuple[FloatArray, int, str]:
+    """Beginnings [s] of the apertures of T on a line that have samples and touch no jump and no gap; how many touch
+    one; and why there are none."""
+    begin = np.arange(stretch.start, stretch.stop - T + 1e-9, _ACROSS * T)
+    at = np.array([jump.time_s for jump in jumps])
+    touched = np.searchsorted(at, begin + T, side="right") > np.searchsorted(at, begin - 1e-9)
+    starts, ends = gaps_of(compared.time_s).T  # of either solution
+    touched |= np.searchsorted(starts, begin + T, side="right") > np.searchsorted(ends, begin - 1e-9)
+    first, last = np.searchsorted(compared.time_s, begin), np.searchsorted(compared.time_s, begin + T, side="right")
+    few = last - first < _LEAST_SAMPLES
+    why = "a jump, a gap or a change of fix in every aperture"
+    if not begin.size:
+        why = "the plan's line is shorter than an aperture"
+    elif few.any():
+        why = f"fewer than {_LEAST_SAMPLES} samples in an aperture of {T:.3g} s"
+    return begin[~touched & ~few], int(touched.sum()), why
+
+
+def _of_sums(squares: FloatArray, rest: float, x: Inputs) -> dict[str, float]:
+    """Mean squares of the figures, of those of the sums (COLUMNS,) and of what is left along the sight [m²]."""
+    phases = aperture.figures(squares[None, None], x, np.full((1, 1), rest))
+    places = places_of(aperture.shifts_of(squares[None]), aperture.shifts_of(squares[None, None]), x)
+    return {name: float(one[0, 0]) for name, one in phases.items()} | {
+        name: float(sigma[0] ** 2) for name, (sigma, _) in places.items()
+    }
 
 
 def _of_white(stretch: Stretch, compared: Compared, begin: FloatArray, x: Inputs) -> Mapping[str, float]:
