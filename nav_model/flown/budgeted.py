@@ -64,7 +64,7 @@ class Budgeted:
 
     @property
     def seen(self) -> str:
-        """Whose variances the difference shows, among `Followed.states`."""
+        """Name among `Followed.states` of the variances that the difference shows."""
         return DIFFERENCE if self.relation == "smoothed" else self.processing
 
     def limits_on(self, stretch: Stretch) -> dict[str, float]:

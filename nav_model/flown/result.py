@@ -74,7 +74,7 @@ class Claimed:
 
 @dataclass(frozen=True)
 class Jump:
-    """A step of the difference: when, how far, and why."""
+    """A jump: when by the solution's clock [s], how far the difference steps [m], 0 for a gap, and why."""
 
     time_s: float
     size_m: float
@@ -83,8 +83,9 @@ class Jump:
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Series along time: middles of the apertures (n) and the value of each figure there (n), 1 sigma; and one
-    sigma of the difference by the budget (outputs, 9) at `budget_s`: position, velocity and roll, pitch, yaw."""
+    """Series along time, by the solution's clock [s]: middles of the apertures (n) and the value of each figure there
+    (n), one sigma; and one sigma of the difference by the budget at `budget_s`, of position, velocity and roll,
+    pitch, yaw (outputs, 9)."""
 
     aperture_s: FloatArray
     apertures: Mapping[str, FloatArray]
@@ -96,10 +97,10 @@ class Series:
 class FlownResult:
     """A solution against the budget of a design along its own track.
 
-    claims: by line and figure.
-    nees: mean normalised square of the position's difference by the claims over its dimension, its band, and the
-    factor that would make the claims true; empty without claims on both sides. receiver: as `noise_fit` gives it.
-    noise: how many times as noisy "imu" and "gnss" were as their design.
+    guessed: whether the files gave the relation. claims: by line and figure. What follows on the reference is empty
+    without one. nees: mean normalised square of the position's difference by the claims over its dimension, its band,
+    and the factor that would make the claims true; empty without claims on both sides. receiver: as `noise_fit` gives
+    it. noise: how many times as noisy "imu" and "gnss" were as their design.
     """
 
     spec: CovarianceSpec

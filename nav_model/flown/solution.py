@@ -57,7 +57,7 @@ class Solution:
     Parameters
     ----------
     format : str
-        "sbet", "rtklib", "novatel", "nmea", "ulog" or "table".
+        "sbet", "rtklib", "novatel", "nmea", "ulog", "gpx", "kml" or "table".
     kind : str
         "real-time", "post-processed", or empty where the file does not tell.
     time_s : array (n,)

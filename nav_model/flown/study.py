@@ -182,12 +182,12 @@ def _budgeted(design: Design, track: Track, relation: Relation, kind: str) -> Bu
 
 
 def _rate(design: Design) -> float:
-    """The rate at which solutions are compared at most [Hz]: an image has enough samples in its aperture."""
+    """Highest rate at which solutions are compared [Hz], so that an aperture has enough samples for its image."""
     return max(_LEAST_RATE, _IN_APERTURE / float(inputs_of(design).aperture))
 
 
 def _flown(solution: Solution, reference: Solution, compared: Compared) -> Solution:
-    """The reference on the solution's clock, which is flown, with the solution's kinds of fix."""
+    """The reference on the solution's clock, with the solution's kinds of fix; its places are flown."""
     lag = compared.lag.value if compared.lag.removed else 0.0
     time = reference.time_s + compared.clock_shift + lag
     kinds = None
