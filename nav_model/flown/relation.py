@@ -103,7 +103,7 @@ def compare(x: Solution, y: Solution, rate: float = 100.0, *, remove_lag: bool =
     Raises
     ------
     InputError
-        Under "reference": no common time, or no common place.
+        Under "reference": no common time, no common place, or the solution itself.
     """
     first = y.time_s[0]
     y, notes = _on_clock(y, x)
@@ -239,6 +239,8 @@ def _difference(x: Solution, y: Solution, lag: float, rate: float) -> _Common:
     north, east = metres_per_radian(of_place["y"][:, 0], of_place["y"][:, 2])
     steps = of_place["x"] - of_place["y"]
     position = np.column_stack([steps[:, 0] * north, wrapped(steps[:, 1]) * east, -steps[:, 2]])
+    if not position.any():
+        raise InputError("reference", "has the places of the solution itself. Give a second one.")
     if float(np.median(np.linalg.norm(position[:, :2], axis=1))) > 50_000.0:
         raise InputError("reference", "is of another place, more than 50 km away. Give that of the same flight.")
 

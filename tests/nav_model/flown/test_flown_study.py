@@ -239,6 +239,8 @@ def test_what_has_nothing_in_common_is_refused(flights) -> None:
         flown_study(DESIGN, solution, replace(reference, time_s=reference.time_s + 50_000.0))
     with pytest.raises(InputError, match="another place"):
         flown_study(DESIGN, solution, replace(reference, place=reference.place + np.array([0.1, 0.0, 0.0])))
+    with pytest.raises(InputError, match=r"^reference: has the places of the solution itself\. Give a second one\."):
+        flown_study(DESIGN, solution, replace(solution, kind="post-processed"))
     with pytest.raises(InputError, match="needs a reference"):
         flown_study(DESIGN, solution, relation="smoothed")
 
