@@ -178,16 +178,7 @@ def to_json(result: FlownResult) -> dict[str, Any]:
         "relation_guessed": result.guessed,
         **_fitted(result.compared),
         "jumps": [asdict(jump) for jump in result.jumps],
-        "lines": [
-            {
-                "name": line.name,
-                "start_s": line.start_s,
-                "stop_s": line.stop_s,
-                "apertures_left_out": line.apertures_left_out,
-                "figures": {name: asdict(one) for name, one in line.figures.items()},
-            }
-            for line in result.lines
-        ],
+        "lines": [asdict(line) for line in result.lines],
         "claims": {
             line: {name: asdict(one) | {"claimed_to_be_met": one.claimed_to_be_met} for name, one in figures.items()}
             for line, figures in result.claims.items()

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.work.flight import File
-from nav_model.base.errors import InputError
 from nav_model.design import Design
 
 if TYPE_CHECKING:
@@ -94,8 +93,6 @@ def hold(
     from nav_model.flown.result import to_json
     from nav_model.flown.study import flown_study
 
-    if not solution:
-        raise InputError("Solution", "choose the file of a solution first")
     sources: list[Source] = []
     progress(0.0, f"reading {solution[0].name}")
     x = _read(solution, sources)
