@@ -39,7 +39,7 @@ def main_figure(flight: FlownFlight) -> str:
 
 
 def line_table(flight: FlownFlight, key: str = "flown") -> TableBlock:
-    """Each line: its figures with limit, budget, what was flown with its band, and the verdicts."""
+    """Each line: its figures with limit, what was flown with its band, and the verdicts."""
     result = flight.result
     rows: list[Row] = []
     for line in result.lines:
@@ -56,7 +56,7 @@ def line_table(flight: FlownFlight, key: str = "flown") -> TableBlock:
     return table(
         f"{key}-lines",
         f"Figures by line, at {flight.design.requirements.confidence:g}σ, with their 95 % bands",
-        ("Quantity", "Verdict", *numbers("Limit", "Flown", "Budget", "Freedom")),
+        ("Quantity", "Verdict", *numbers("Flown", "Budget", "Freedom")),
         rows,
         "Consistent: the budget lies in the band, else how many times it was flown, of navigation alone. Freedom: "
         "degrees of freedom of the mean square which give the band [P-18]. Times are from "
@@ -71,9 +71,8 @@ def _row(name: str, one: Measured) -> Row:
     if one.freedom > 0.0:
         flown = f"{flown}\n{range_of(name, one.low_95, one.high_95)}"
     return (
-        FIGURES[name].label,
+        FIGURES[name].label if one.limit is None else f"{FIGURES[name].label}\nlimit {value_of(name, one.limit)}",
         Cell(mark, tone=tone, more=one.reason),
-        NONE if one.limit is None else value_of(name, one.limit),
         flown,
         "\n".join(filter(None, (value_of(name, one.budget), against))),
         NONE if not one.freedom else number(one.freedom, 2),
