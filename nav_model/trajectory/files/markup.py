@@ -1,7 +1,7 @@
 """Flights of XML, alone or in an archive: KML with DJI's missions in it (WPML), and GPX.
 
-What is read is bounded in size, tags, depth and the length of namespaces, and has no entities; with these bounds a
-search below each of some elements takes time in proportion to the file.
+What is read is bounded in size, tags, depth, the length of namespaces and the number of shapes, and has no entities.
+Only the root is searched to any depth; of what may be inside itself, such as a folder, children are looked at.
 """
 
 import io
@@ -9,7 +9,7 @@ import math
 import zipfile
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, ParseError, TreeBuilder
 
@@ -26,6 +26,7 @@ _MOST_XML = 5_000_000  # bytes
 _MOST_TAGS = 400_000
 _DEEPEST = 40
 _LONGEST_NAMESPACE = 200  # characters: the parser makes each tag's name of it anew
+_MOST_SHAPES = 20_000
 _MOST_ENTRIES = 2000  # of an archive
 _ENTRY = b"PK\x01\x02"
 
@@ -96,8 +97,10 @@ def read_markup(content: bytes, heights: Heights) -> tuple[Waypoint, ...] | list
     root = _xml(content, heights)
     kind = _local_name(root)
     if kind not in ("gpx", "kml"):
-        raise heights.refuse(f"is XML of the kind {kind!r}. Give the flight as KML or GPX.")
-    shapes = [*(_gpx(root) if kind == "gpx" else _kml(root, heights))]
+        raise heights.refuse(f"is XML of the kind {quoted(kind)}. Give the flight as KML or GPX.")
+    shapes = [*islice(_gpx(root) if kind == "gpx" else _kml(root, heights), _MOST_SHAPES + 1)]
+    if len(shapes) > _MOST_SHAPES:
+        raise heights.refuse(f"holds more than {_MOST_SHAPES} paths and points. Keep only the flight.")
     count = Counter(shape.noun for shape in shapes)
     chosen = next((noun for noun in _CHOSEN if count[noun]), "")
     if count["area"] and (not chosen or (chosen == "point" and count["point"] < 2)):
@@ -211,6 +214,8 @@ def _kml(root: Element, heights: Heights) -> Iterator[Shape]:
     """Missions of DJI, else the geometries of placemarks in the order of the file."""
     if root.find(".//{*}executeHeight") is not None:
         folders = root.findall(".//{*}Folder")
+        if any(root.find(f".//{{*}}{speed}") is not None for speed in ("autoFlightSpeed", "waypointSpeed")):
+            heights.note("flown at the design's speed, not the mission's")
         for number, folder in enumerate(folders, 1):
             yield _mission(folder, f"line {number}." if len(folders) > 1 else "line ", heights)
         return
@@ -222,13 +227,13 @@ def _kml(root: Element, heights: Heights) -> Iterator[Shape]:
                 raise heights.refuse("has a placemark within a placemark, which KML does not allow")
             if noun := _KML.get(kind):
                 reference = _REFERENCES.get((element.findtext("{*}altitudeMode") or "").strip(), "none")
-                places = (_track if kind == "Track" else _path)(element, heights)
+                places = _track(element, heights) if kind == "Track" else _path(element, "{*}coordinates", heights)
                 yield Shape(noun, name, places, reference)
 
 
-def _path(element: Element, heights: Heights) -> Iterator[Place]:
-    """Each place but the last begins a leg."""
-    texts = (element.findtext(".//{*}coordinates") or "").split(None, MOST_WAYPOINTS + 1)[: MOST_WAYPOINTS + 1]
+def _path(element: Element, tag: str, heights: Heights) -> Iterator[Place]:
+    """The places in a tag; each but the last begins a leg."""
+    texts = (element.findtext(tag) or "").split(None, MOST_WAYPOINTS + 1)[: MOST_WAYPOINTS + 1]
     for number, text in enumerate(texts, 1):
         parts = text.split(",")
         if len(parts) not in (2, 3):
@@ -251,7 +256,7 @@ def _mission(folder: Element, line: str, heights: Heights) -> Shape:
     """Mission that a drone executes; lines are where its camera is triggered again and again, else each leg."""
     marks = [mark for mark in folder.iterfind("{*}Placemark") if mark.find("{*}executeHeight") is not None]
     turns = np.zeros(len(marks) + 1, int)  # groups that begin at a place, less those that end there
-    for group in folder.iterfind(".//{*}actionGroup"):
+    for group in folder.iterfind("{*}Placemark/{*}actionGroup"):
         if group.findtext("{*}actionTrigger/{*}actionTriggerType", "").startswith("multiple"):
             ends = (group.findtext(f"{{*}}actionGroup{end}Index", "") for end in ("Start", "End"))
             start, stop = (int(heights.number(end, "action group")) for end in ends)
@@ -260,10 +265,8 @@ def _mission(folder: Element, line: str, heights: Heights) -> Shape:
     legs = {*np.flatnonzero(np.cumsum(turns)).tolist()} or range(len(marks) - 1)
     places = [
         Place((*at[:2], mark.findtext("{*}executeHeight")), line=f"{line}{number + 1}" if number in legs else "")
-        for number, mark in enumerate(marks) for at, *_ in _path(mark, heights)
+        for number, mark in enumerate(marks) for at, *_ in _path(mark, "{*}Point/{*}coordinates", heights)
     ]  # fmt: skip
-    if folder.find(".//{*}autoFlightSpeed") is not None or folder.find(".//{*}waypointSpeed") is not None:
-        heights.note("flown at the design's speed, not the mission's")
     reference = _REFERENCES.get(folder.findtext("{*}executeHeightMode") or "", "none")
     return Shape("DJI mission", _name(folder), places, reference)
 

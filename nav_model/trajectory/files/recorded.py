@@ -25,6 +25,7 @@ _LONGEST = 100 * 3600.0  # s
 _KNOT_EVERY = (2, 4, 8, 16, 32, 64)  # samples
 _FEWEST_SMOOTHED = 16  # samples; a spline through fewer is not fitted but goes through them
 _MOST_SEGMENTS = 500
+_LARGEST = (1e13, 360.0, 1e4, 1e7)  # s, °, °, m; their squares and products are finite
 _CLOSEST = 1 / 300  # s between places that are flown: the smoothing of attitude takes as many at a time as are closer
 _PAUSE = 10.0  # median intervals, and seconds: a longer gap ends a segment
 _GENTLE = 0.25 * STANDARD_GRAVITY  # across a pause
@@ -78,6 +79,8 @@ def fly_recorded(segments: Sequence[RecordedSegment], heights: Heights) -> Plann
     """
     from scipy.ndimage import gaussian_filter1d
 
+    if any((np.abs(part.rows[:, :4]) > _LARGEST).any() for part in segments):
+        raise heights.refuse("has times or heights beyond those of any flight. Check the units of its columns.")
     pieces = [*islice((piece for part in segments for piece in _pieces(part, heights)), _MOST_SEGMENTS + 1)]
     if not pieces:
         raise heights.refuse("holds no two recorded places at different times")

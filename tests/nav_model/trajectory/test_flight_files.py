@@ -477,6 +477,13 @@ def test_places_closer_than_anything_flies_are_left_out(step: float, message: st
     assert file.flight.duration == 29.0
 
 
+@pytest.mark.parametrize("row", ["{0}e300,1,2,100\n", "{0},1.{0},2,{0}e300\n"])
+def test_times_and_heights_beyond_any_flight_are_refused(row: str) -> None:
+    rows = "".join(map(row.format, range(1, 30)))
+    with pytest.raises(InputError, match="times or heights beyond those of any flight"):
+        parse_file(f"time_s,latitude_deg,longitude_deg,height_m\n{rows}".encode(), "a.csv")
+
+
 def test_what_a_plan_holds_beside_waypoints_is_listed_in_short() -> None:
     items = [item(16, 47 + k, 8, 120) for k in range(2)] + [item(1000 + k, 0, 0, 0) for k in range(3000)]
     assert len(parse_file(plan(*items), "a.plan", ground=1.0).note) < 1000
@@ -498,10 +505,21 @@ def gpx_segments(count: int) -> bytes:
         (b"<kml>" + b"<LineString>" * 41 + b"</LineString>" * 41 + b"</kml>", "nested more than 40 deep"),
         (b'<kml xmlns="' + b"x" * 201 + b'"><a/></kml>', "namespace of more than 200 characters"),
         (b'<kml><a xmlns:b="' + b"x" * 201 + b'"/></kml>', "namespace of more than 200 characters"),
-        (kml("<Point/>" * 150_000), "a point without a place"),
+        (kml("<Point/>" * 15_000), "a point without a place"),
+        (kml("<Point/>" * 150_000), "more than 20000 paths and points"),
+        (kml("<LineString>" * 30 + "<a/>" * 380_000 + "</LineString>" * 30), "a path without a place"),
+        (
+            b"<kml>"
+            + b"<Folder>" * 37
+            + b"<actionGroup/>" * 300_000
+            + b"<executeHeight/>"
+            + b"</Folder>" * 37
+            + b"</kml>",
+            "a DJI mission without a place",
+        ),
         (
             b"<gpx><trk>"
-            + b"<trkseg><trkpt lat='1' lon='1'><ele>1</ele></trkpt></trkseg>" * 40_000
+            + b"<trkseg><trkpt lat='1' lon='1'><ele>1</ele></trkpt></trkseg>" * 15_000
             + b"</trk></gpx>",
             "than 2000 points",
         ),
@@ -509,14 +527,14 @@ def gpx_segments(count: int) -> bytes:
         (b"<kml>" + b"<a/>" * 500_000, "more than 400000 tags"),
         (b"<kml>" + b" " * 5_000_000 + b"</kml>", "more than 5 MB of XML"),
         (kml(f"<LineString><coordinates>{'8,47,1 ' * 600_000}</coordinates></LineString>"), "more than 2000 points"),
-        (b"<gpx>" + b"<wpt lat='1' lon='1'><ele>1</ele></wpt>" * 50_000 + b"</gpx>", "more than 2000 points"),
+        (b"<gpx>" + b"<wpt lat='1' lon='1'><ele>1</ele></wpt>" * 15_000 + b"</gpx>", "more than 2000 points"),
         (b"QGC WPL 110\n" + b"1 0 0 16 0 0 0 0 47 8 120 1\n" * 150_000, "more than 2000 points"),
         (plan(*[item(16, 47, 8, 120)] * 3000), "more than 2000 points"),
         (b'{"a": ' + b"[" * 100_000, "is JSON that cannot be read"),
         (b"PK\x01\x02" * 3000, "more than 2000 files"),
         (b'<!DOCTYPE a [<!ENTITY b "c">]><kml>&b;</kml>', "declares entities"),
     ],
-    ids=range(17),
+    ids=range(20),
 )
 @pytest.mark.long
 def test_a_file_without_bounds_is_refused_while_it_is_read(content: bytes, message: str) -> None:
