@@ -30,12 +30,15 @@ _HEAD_LINES = 200
 _SAMPLE_LINES = 50
 _TALLIED_LINES = 1000
 _LONGEST_LINE = 100_000
+_LONGEST_FIELD = 100  # characters of an angle or a date
+LONGEST_NAME = 200
+"""Characters of a column's name, which is compared with patterns; what is behind them is not looked at."""
 _EMPTY = frozenset(("", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "nat"))
 _TIME_OF_DAY = re.compile(r"(?:.*[ T])?(\d{1,2})[:.](\d\d)[:.](\d\d(?:[.,]\d*)?)")
 _DURATION = re.compile(r"\s*([-+]?\d+(?:[.,]\d*)?(?:[eE][-+]?\d+)?)\s*s(?:ec)?\s*")
 _SPANS_TWO = re.compile(r"gps|gpst|utc|jst|time|date", re.IGNORECASE)
 _COMMA_NUMBER = re.compile(r"\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*")
-_IN_THREE = re.compile(r"""(.+?)\s*[\[({]\s*(?:d\W*'\W*"?|dms|d\W+m\W+s|°\W*'.*)\W*[\])}]?""", re.IGNORECASE)
+_IN_THREE = re.compile(r"""(.+?)\s*[\[({]\s*(?:d[^\w']*'|dms|d\W+m\W+s|°[^\w']*'.*)\W*""", re.IGNORECASE)
 """A name of an angle in degrees, minutes and seconds, which are three fields."""
 _ANGLE = re.compile(
     r"""\s*([NSEW])?\s*([+-])?(\d{1,3}(?:\.\d+)?)\s*[°d:\s]?\s*(?:(\d{1,2}(?:\.\d+)?)\s*[':m]?\s*
@@ -102,7 +105,7 @@ class NumberTable:
         if len(names) != self.width:
             reason = f"{len(names)} column names are given, but the file has {self.width} columns."
             raise InputError(self.file_name, reason)
-        return replace(self, headers=(tuple(names),))
+        return replace(self, headers=(tuple(name[:LONGEST_NAME] for name in names),))
 
     def tally(self, places: Sequence[int], most: int) -> list[dict[str, int]]:
         """Texts of columns and how many rows have each; nothing of a column with more than `most` texts.
@@ -256,7 +259,7 @@ class NumberTable:
         try:
             number = float(text.replace(",", ".") if comma else text.replace("_", "x"))  # 1_0 is no number
         except ValueError:
-            number = reader(text) if reader else math.nan
+            number = reader(text) if reader and len(text) <= _LONGEST_FIELD else math.nan
             wrong = "a number" if math.isnan(number) else ""
         else:
             wrong = "finite" if math.isinf(number) else ""
@@ -351,7 +354,8 @@ def _headers(lines: Sequence[str], delimiter: str | None, width: int) -> tuple[t
         bare = line.strip().lstrip("#%/").strip()
         glued = re.sub(r"(?<![\s)\]])\s+(?=[\[(])", "", bare)  # a blank between name and unit parts nothing
         for mark in (delimiter, ",", ";", "\t", None) if width > 1 else ("\n",):
-            names = tuple(name.strip() for name in _fields((bare if mark else glued).rstrip(mark), mark))
+            fields = _fields((bare if mark else glued).rstrip(mark), mark)
+            names = tuple(name.strip()[:LONGEST_NAME] for name in fields)
             if len(names) < width:
                 names = tuple(part for name in names for part in _in_three(name))
             if delimiter is None and len(names) == width - 1 and _SPANS_TWO.fullmatch(names[0]):
@@ -364,7 +368,7 @@ def _headers(lines: Sequence[str], delimiter: str | None, width: int) -> tuple[t
 
 def angle_of(text: str) -> float:
     """Degrees of 47°12'30"N, N47 12.5, 47:12:30 or 47.2°; NaN: none."""
-    match = _ANGLE.fullmatch(plain_signs(text))
+    match = _ANGLE.fullmatch(" ".join(plain_signs(text).split()))  # a run of blanks is one
     if match is None or (match[1] and match[6]):
         return math.nan
     minutes, seconds = float(match[4] or 0), float(match[5] or 0)

@@ -8,7 +8,7 @@ from typing import Any
 from nav_model.base.errors import InputError, quoted
 
 _MOST_CHARACTERS, _MOST_ROWS, _MOST_COLUMNS = 1_000_000, 2000, 100
-_LONGEST_HEAD = 4000
+_LONGEST_HEAD, _LONGEST_NAME = 4000, 100
 _WALK = r"noise|random walk|\bdensity"
 _BIAS = r"bias|in.?run|instab|stabil"
 # A column's name -> the key of an entry, and the kind of a bias; the first that fits.
@@ -49,7 +49,7 @@ def entries_of(text: str, kind: str) -> list[dict[str, Any]] | None:
     mark = next((mark for mark in ";\t," if lines and mark in lines[0]), None)
     if mark is None or len(lines[0]) > _LONGEST_HEAD or "=" in lines[0] or lines[0].lstrip().startswith("["):
         return None
-    header = next(csv.reader([lines[0]], delimiter=mark))
+    header = [cell[:_LONGEST_NAME] for cell in next(csv.reader([lines[0]], delimiter=mark))]
     meanings = [next(((key, of) for names, key, of in _MEANINGS if names.search(cell)), ("", "")) for cell in header]
     if not any(key.endswith("random_walk") for key, _ in meanings):
         return None

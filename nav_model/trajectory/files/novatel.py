@@ -79,16 +79,18 @@ def _messages(content: bytes) -> tuple[dict[str, _Message], int]:
     same: dict[tuple[str, ...], tuple[str, ...]] = {}  # thousands of lines have the same words
     wrong = 0
     for match in _LINE.finditer(content):
+        if match[3] is None or int(match[3], 16) != zlib.crc32(match[1], 0xFFFFFFFF) ^ 0xFFFFFFFF:
+            wrong += 1
+            continue
         head, _, body = match[1].decode("latin-1").partition(";")
         kind, fields, header = match[2].decode(), body.split(","), head.split(",")
         stamp = header[5:7] if len(header) > 6 else header[1:3]  # of a short header, behind %
         texts, slices = _FIELDS[kind]
-        whole = match[3] is not None and int(match[3], 16) == zlib.crc32(match[1], 0xFFFFFFFF) ^ 0xFFFFFFFF
         try:
             time = _WEEK * int(stamp[0]) + float(stamp[1])
         except (ValueError, IndexError):
-            whole = False
-        if not whole or len(fields) < max(slices[-1].stop, texts[-1] + 1):
+            time = math.nan
+        if math.isnan(time) or len(fields) < max(slices[-1].stop, texts[-1] + 1):
             wrong += 1
             continue
         word = tuple(fields[at] for at in texts)

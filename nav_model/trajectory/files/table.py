@@ -133,7 +133,7 @@ def _in_two_columns(content: bytes, heights: Heights) -> bytes:
     if mark is None or place is None:
         return content
     field = b'(?:"[^"\\n]*"|[^%s"\\n]*)' % mark
-    row = re.compile(b'(?m)^((?:%s%s){%d})(?:"?[ ]*(%s)[ ]*[, ][ ]*(%s)[ ]*"?|[ "]*)(?=%s|\\r?$)' % (
+    row = re.compile(b'(?m)^((?:%s%s){%d})(?:"?[ ]*(%s)(?:[ ]*,[ ]*|[ ]+)(%s)[ ]*"?|[ "]*)(?=%s|\\r?$)' % (
         field, mark, place, _DECIMAL, _DECIMAL, mark,
     ))  # fmt: skip
     if not any(match[2] for match in islice(row.finditer(below), _LOOKED_AT)):
