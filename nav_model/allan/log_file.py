@@ -335,9 +335,9 @@ def _time_unit(label: str, stamps: Array, interval: float, rate_hz: float | None
     Raises InputError under "rate" where that leaves two.
     """
     sizes = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-    rates = {unit: 1.0 / (interval * size) for unit, size in sizes.items()}
+    rates = {unit: 1.0 / max(interval * size, _SHORTEST) for unit, size in sizes.items()}
     # Xsens counts tenths of a millisecond under the names with which Movella counts microseconds.
-    counted = rates | {"0.1 ms": 1.0 / (interval * 1e-4)}
+    counted = rates | {"0.1 ms": 10.0 * rates["ms"]}
     if rate_hz is not None and (near := [unit for unit in counted if abs(rate_hz / counted[unit] - 1.0) < 0.05]):
         return near[0]
     for unit, size in sizes.items():

@@ -6,9 +6,14 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+_LONGEST_KEY, _LONGEST_REASON = 200, 1000
+
 
 class InputError(ValueError):
     """Bad input. Its message is ``key: reason``; both parts and the value are fields.
+
+    Of a longer reason than 1000 characters, which a file has written, and of a longer key than 200, the middle is
+    left out.
 
     Parameters
     ----------
@@ -27,6 +32,7 @@ class InputError(ValueError):
     """
 
     def __init__(self, key: str, reason: str, value: object = None) -> None:
+        key, reason = _shortened(key, _LONGEST_KEY), _shortened(reason, _LONGEST_REASON)
         super().__init__(f"{key}: {reason}")
         self.key = key
         self.reason = reason
@@ -59,6 +65,10 @@ def not_a_choice(given: Any, options: Iterable[object]) -> str:
     *most, last = map(str, options)
     either = f"{', '.join(most)} or {last}" if most else last
     return f"{quoted(given)} is not a choice here. Choose {either}."
+
+
+def _shortened(text: str, most: int) -> str:
+    return text if len(text) <= most else f"{text[: most // 2]} ... {text[-most // 4 :]}"
 
 
 def quoted(content: Any) -> str:

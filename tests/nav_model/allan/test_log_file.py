@@ -177,6 +177,8 @@ def test_wrong_and_irregular_rates_are_refused():
     for step in (b"e-300", b"e-315"):
         with pytest.raises(InputError, match=r"It must be 0.001"):
             read_log(b"time [ns],gyro_x [rad/s]\n" + b"".join(b"%d%s,1\n" % (n, step) for n in range(1, 600)))
+    with pytest.raises(InputError, match="no likely rate"):
+        read_log(b"time,gyro_x [rad/s]\n" + b"".join(b"%de-320,1\n" % n for n in range(1, 600)))
 
 
 def test_values_no_sensor_has_are_refused_by_line():

@@ -29,6 +29,15 @@ def test_the_message_is_made_of_the_fields_and_all_survive_pickling(kind, value)
     assert (type(renamed), renamed.key, renamed.reason, renamed.value) == (kind, "--rate", error.reason, value)
 
 
+def test_a_message_has_a_length_whatever_a_file_says():
+    error = InputError("k" * 10_000, "begins " + "x" * 10**6 + " ends.")
+    assert len(str(error)) < 1000
+    assert error.reason.startswith("begins xxx")
+    assert error.reason.endswith("xxx ends.")
+    again = pickle.loads(pickle.dumps(error))
+    assert (again.key, again.reason) == (error.key, error.reason)
+
+
 @pytest.mark.parametrize(
     ("make", "key", "value"),
     [
