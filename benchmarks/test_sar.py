@@ -8,6 +8,7 @@ import time
 
 import numpy as np
 import pytest
+from made_history import simulate_phase_history
 from scipy.linalg import solve_discrete_are
 
 from nav_model.analytic.discrete import SlowError, cycle
@@ -21,7 +22,7 @@ from nav_model.sar.decomposition import decompose, run_responses
 from nav_model.sar.design_case import design_case
 from nav_model.sar.design_study import image_study, run_chunk
 from nav_model.sar.fast_engine import simulate_axis
-from nav_model.sar.image import back_project, simulate_phase_history
+from nav_model.sar.image import back_project
 from nav_model.sar.line_of_sight import ApertureGeometry, range_error
 from nav_model.sar.strategies import Tuning
 from nav_model.sar.winners import Conditions, map_of_winners

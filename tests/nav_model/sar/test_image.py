@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_history import simulate_phase_history
 
 from nav_model.aperture.polynomial_response import quadratic_response
 from nav_model.base.constants import SPEED_OF_LIGHT
@@ -16,7 +17,7 @@ from nav_model.sar.image import (
     pulse_errors,
     read_phase_history,
 )
-from nav_model.sar.line_of_sight import ApertureGeometry, range_error, ranges_to_target
+from nav_model.sar.line_of_sight import ApertureGeometry, range_error
 
 SHARED = Path(__file__).parents[3].parent / "shared" / "data"
 COLLECTION = [SHARED / f"sar_gotcha_pass1_az00{k}_HH.npz" for k in (1, 2)]
@@ -29,17 +30,6 @@ TIME = np.linspace(-1.0, 1.0, 240)
 FREQUENCY = 9.6e9 + np.linspace(-150e6, 150e6, 128)
 WAVELENGTH = SPEED_OF_LIGHT / 9.6e9
 AZIMUTH_CELL = WAVELENGTH * 6000 / (2 * 100 * 2.0)
-
-
-def simulate_phase_history(geometry, time, frequency, targets, amplitudes=1.0):
-    """Phase history of point targets (m, 3) [m] about the scene centre, seen from a straight aperture."""
-    position = -ranges_to_target(geometry, time)
-    reference = np.linalg.norm(position, axis=1)
-    samples = np.zeros((len(frequency), len(position)), complex)
-    for target, amplitude in zip(np.array(targets), np.broadcast_to(amplitudes, len(targets)), strict=True):
-        beyond = np.linalg.norm(target - position, axis=1) - reference
-        samples += amplitude * np.exp(-4j * np.pi / SPEED_OF_LIGHT * np.outer(frequency, beyond))
-    return PhaseHistory(samples, frequency, position, reference)
 
 
 def half_power_width(axis, cut):
