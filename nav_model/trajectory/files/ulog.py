@@ -12,6 +12,7 @@ import numpy as np
 
 from nav_model.base.arrays import Array
 from nav_model.base.errors import InputError, quoted
+from nav_model.trajectory.files.bounded_ulog import Messages, bounded
 from nav_model.trajectory.files.epochs import Epochs, at_times, coded
 from nav_model.trajectory.files.heights import Heights, counted
 
@@ -23,8 +24,6 @@ _FIXES = {2: "2D", 3: "single", 4: "dgps", 5: "float", 6: "fixed"}
 _DAMAGED = (
     TypeError, ValueError, IndexError, KeyError, AttributeError, struct.error, OverflowError, RecursionError,
 )  # fmt: skip
-_SHORTEST = 20  # bytes of a message on average
-_MOST_FIELDS = 200_000  # of all topics, with those of the formats within formats
 Topic = Mapping[str, Array]
 
 
@@ -41,42 +40,12 @@ def read_ulog(content: bytes, heights: Heights) -> Epochs:
         raise heights.refuse(f"is a PX4 log (ULog), for which pyulog is needed. {advice}") from error
     try:
         with redirect_stdout(io.StringIO()):  # what it prints of each damaged message
-            log = _bounded(ULog)(_Messages(content, heights), list(_TOPICS))
+            log = bounded(ULog)(Messages(content, heights), list(_TOPICS))
         return _epochs(log, heights)
     except InputError:
         raise
     except _DAMAGED as error:
         raise heights.refuse(f"is a PX4 log (ULog) that is damaged: {quoted(str(error))}") from error
-
-
-class _Messages(io.BytesIO):
-    """A log that refuses more messages than one of its size has: pyulog takes each for itself."""
-
-    def __init__(self, content: bytes, heights: Heights) -> None:
-        super().__init__(content)
-        self._heights, self._left = heights, 2 * (len(content) // _SHORTEST + 10_000)
-
-    def read(self, size: int | None = -1, /) -> bytes:
-        """A head or a body."""
-        self._left -= 1
-        if self._left < 0:
-            raise self._heights.refuse("is a PX4 log (ULog) that is damaged: most of its messages are empty")
-        return super().read(size)
-
-
-def _bounded(reader: Any) -> Any:
-    """pyulog's reader with a bound on fields: formats within formats grow with the power of their depth."""
-    fields = 0
-
-    class Topic(reader._MessageAddLogged):  # type: ignore[misc]
-        def _parse_nested_type(self, prefix: str, name: str, formats: Mapping[str, Any]) -> None:
-            nonlocal fields
-            fields += 1 + sum(max(size, 1) for _, size, _ in formats[name].fields)
-            if fields > _MOST_FIELDS:
-                raise RecursionError(f"its topics have more than {_MOST_FIELDS} fields")  # it passes over others
-            super()._parse_nested_type(prefix, name, formats)
-
-    return type("Bounded", (reader,), {"_MessageAddLogged": Topic})
 
 
 def _epochs(log: Any, heights: Heights) -> Epochs:
