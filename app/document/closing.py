@@ -32,7 +32,7 @@ GROUP_WORDS: Mapping[Group, str] = {
 }
 """Group of levers -> its name on the page."""
 ON_FLIGHT = "What would close it is on Flight, below the charts."
-"""Said where a flight alone judges a design."""
+"""Advice for a design that a flight alone judges."""
 SHORT = 3  # sets beside a verdict
 _SLIM = 0.05  # of a limit
 

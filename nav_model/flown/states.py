@@ -75,7 +75,7 @@ def states_of(seen: Seen, budgeted: Budgeted, scale: Scale, reference: Solution)
 
 
 def claimed_by(reference: Solution, seen: Seen) -> FloatArray:
-    """Mean squares of its own error that a reference claims on a line, by axis (9,), 0 where it claims none."""
+    """Mean squares of the error that a reference claims on a line, by axis (9,) in SI, 0 where it claims none."""
     if reference.claims is None:
         return np.zeros(AXES)
     near = np.clip(np.searchsorted(reference.time_s, seen.time_s), 0, len(reference.time_s) - 1)
