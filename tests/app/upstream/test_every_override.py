@@ -13,6 +13,7 @@ from known_designs import ROOT
 import app.upstream
 import nav_model.base.compiled
 import nav_model.base.numba_typing
+import nav_model.trajectory.files.bounded_ulog
 from app.upstream.browser import Repairs
 
 pytestmark = pytest.mark.watches("app/upstream", "docs/upstream")
@@ -20,7 +21,11 @@ pytestmark = pytest.mark.watches("app/upstream", "docs/upstream")
 ROOM = Path(app.upstream.__file__).parent
 SCRIPTS = sorted(ROOM.glob("*.js"))
 IN_PYTHON = [path for path in sorted(ROOM.glob("*.py")) if path.stem not in ("__init__", "browser")]
-OVERRIDES = [*IN_PYTHON, *SCRIPTS, Path(nav_model.base.compiled.__file__), Path(nav_model.base.numba_typing.__file__)]
+IN_MODEL = [
+    Path(module.__file__)
+    for module in (nav_model.base.compiled, nav_model.base.numba_typing, nav_model.trajectory.files.bounded_ulog)
+]
+OVERRIDES = [*IN_PYTHON, *SCRIPTS, *IN_MODEL]
 REPORTS = sorted(ROOT / "docs" / "upstream" / f"{path.stem}.md" for path in OVERRIDES)
 _EACH = """
 import json, os, sys, traceback
