@@ -67,6 +67,9 @@ def test_no_page_loses_anything_at_twice_the_zoom(visit: Visit, settled: Callabl
         assert page.evaluate("() => document.documentElement.scrollWidth") <= 720, name
         main = page.locator(".main-content").bounding_box()
         assert main["width"] >= 360, name  # the page itself still has room beside or under the design
+    tiles = page.locator(".tile dd:visible")  # of the last page, Suborbital, when its study has come
+    expect(tiles.first).to_be_visible()
+    assert not tiles.evaluate_all("each => each.filter(e => e.scrollWidth > e.clientWidth + 1).map(e => e.innerText)")
 
 
 def _to(page: Page, role: str, name: str, key: str = "Tab") -> None:

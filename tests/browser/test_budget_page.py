@@ -77,7 +77,7 @@ def test_unfolded_charts_are_drawn_as_wide_as_their_place(visit: Visit) -> None:
     page = visit()
     page.get_by_role("button", name="What limits horizontal position").click()
     page.wait_for_function(f"() => ({_FRAMES})().length === 5")
-    page.wait_for_function(f"() => ({_FRAMES})().every(([share, high]) => share > 0.8 && high > 50)")
+    page.wait_for_function(f"() => ({_FRAMES})().every(([share, high]) => share > 0.75 && high > 50)")
 
 
 # Boxes of what must be seen at once, and how many of each there are.

@@ -20,10 +20,10 @@ from app.charts.screen.figures import CHIP, add_glyph, unit_of
 from app.charts.screen.sources import Sources
 from app.charts.styles import GREY, INK, STYLES, behind_text
 
-_LEFT = 80  # pixels left of every frame, so that the frames are aligned: room for "0.0005" and the axis' name
+_LEFT = 90  # pixels left of every frame, so that the frames are aligned: room for "0.0005" and the axis' name
 _RIGHT = 30  # pixels right of every frame: the tools beside the first one
 _NARROW_SPAN = 0.15  # of the time axis: the name of a narrower span is in its middle
-_HEIGHT = 150  # pixels of a frame on the usual screen
+_HEIGHT = 70  # pixels of a frame on a low screen: names that have room in it have room in a higher one
 _ROOM, _FARTHEST = 16.0, 40  # pixels of a name, and between it and its curve at most
 _NAMED = 0.18  # of the time axis: the names at the ends of curves are as long
 _FAINT: dict[str, Any] = {"line_alpha": 0.4, "line_width": 1.4}
@@ -42,8 +42,6 @@ class Timelines:
         what is fed later.
     beside : Timelines, optional
         Another stack, whose time axis this one shares.
-    pixels : int, optional
-        Height of a frame, for the places of names.
 
     Attributes
     ----------
@@ -57,11 +55,11 @@ class Timelines:
     >>> stack.feed(timelines(other))
     """
 
-    def __init__(self, charts: Sequence[Chart], beside: Timelines | None = None, pixels: int = _HEIGHT) -> None:
-        first, self._pixels = charts[0], pixels
+    def __init__(self, charts: Sequence[Chart], beside: Timelines | None = None) -> None:
+        first = charts[0]
         self._others: Sequence[Chart] = ()
         heights = self._heights(charts)
-        self._sources = Sources(_columns(charts, heights, self._pixels))
+        self._sources = Sources(_columns(charts, heights))
         self._nothing = {name: np.array([np.nan]) for name in _curves(charts)}
         self._was = ColumnDataSource(self._nothing, name="timelines compared")
         self._x_range = beside.plots[0].x_range if beside else Range1d(*_ends(charts))
@@ -77,7 +75,7 @@ class Timelines:
     def feed(self, charts: Sequence[Chart]) -> None:
         """Show other charts of the same structure."""
         heights = self._heights(charts)
-        self._sources.feed(_columns(charts, heights, self._pixels))
+        self._sources.feed(_columns(charts, heights))
         self._feed_frame(charts, heights)
 
     def compare(self, charts: Sequence[Chart] | None) -> None:
@@ -113,7 +111,7 @@ class Timelines:
         start, end = _ends(charts)
         self._x_range.update(start=start, end=end, reset_start=start, reset_end=end)
         for plot, chart, (low, high) in zip(self.plots, charts, heights, strict=True):
-            plot.yaxis[0].axis_label = chart.y_label
+            plot.yaxis[0].axis_label = chart.y_label.replace(", ", ",\n", 1)  # as high as a frame of a low screen
             plot.y_range.update(start=low, end=high, reset_start=low, reset_end=high)
 
     def _plot(self, chart: Chart, height: _Range, crosshair: CrosshairTool, first: bool, last: bool) -> figure:
@@ -133,6 +131,7 @@ class Timelines:
             min_border_top=18 * _rows(chart),  # the read-out
             min_border_bottom=0 if last else 12,  # half a label, or the rest of a name longer than its axis
         )
+        plot.yaxis[0].update(axis_label_text_font_size="12px", axis_label_text_line_height=1.0, axis_label_standoff=0)
         plot.toolbar.autohide = True
         plot.xaxis.visible = last
         if last and chart.x_label == CLOCK:
@@ -183,7 +182,7 @@ def _curves(charts: Sequence[Chart]) -> dict[str, Any]:
     return curves | {_column(chart, line.key): line.y for chart in charts for line in chart.lines}
 
 
-def _columns(charts: Sequence[Chart], heights: Sequence[_Range], pixels: int) -> dict[str, dict[str, Any]]:
+def _columns(charts: Sequence[Chart], heights: Sequence[_Range]) -> dict[str, dict[str, Any]]:
     """Source name -> columns."""
     columns = {"timelines": _curves(charts)}
     for chart, height in zip(charts, heights, strict=True):
@@ -198,11 +197,11 @@ def _columns(charts: Sequence[Chart], heights: Sequence[_Range], pixels: int) ->
             "colour": [_colour(span) for span in chart.spans],
             "alpha": [0.08 if span.faint else 0.2 for span in chart.spans],
         }
-        columns[f"{chart.key} labels"] = _labels(chart, height, chart is charts[-1], pixels)
+        columns[f"{chart.key} labels"] = _labels(chart, height, chart is charts[-1])
     return columns
 
 
-def _labels(chart: Chart, height: _Range, last: bool, pixels: int) -> dict[str, Any]:
+def _labels(chart: Chart, height: _Range, last: bool) -> dict[str, Any]:
     """Each curve's name at its end.
 
     The span's name is in the last chart, on the time axis if it has a colour, else upright at the beginning of a wide
@@ -214,7 +213,7 @@ def _labels(chart: Chart, height: _Range, last: bool, pixels: int) -> dict[str, 
         if len(seen) and line.end != "" and (line.y[seen[-1]] > 0 or not chart.y_log):
             ends.append((float(line.x[seen[-1]]), float(line.y[seen[-1]]), line))
     ends.sort(key=lambda end: (end[0], -end[1]))
-    offsets = _offsets(chart, [line for *_, line in ends], height, pixels)
+    offsets = _offsets(chart, [line for *_, line in ends], height)
     rows: list[tuple[Any, ...]] = [
         (x, y, line.end or line.label, behind_text(STYLES[line.style].colour), offset, -2.0, 0.0, "right")
         for (x, y, line), offset in zip(ends, offsets, strict=True)
@@ -256,13 +255,13 @@ def _colour(span: Span) -> str:
     return STYLES[span.style].colour if span.style else GREY
 
 
-def _offsets(chart: Chart, named: Sequence[Line], height: _Range, pixels: int) -> list[float]:
+def _offsets(chart: Chart, named: Sequence[Line], height: _Range) -> list[float]:
     """Pixels by which each name is below the end of its curve: at the nearest place above the curve, or below it,
-    where it covers no curve, no limit, no other name and no edge of the frame of so many ``pixels``."""
+    where it covers no curve, no limit, no other name and no edge of the frame."""
     low, high = (_place(chart, bound) for bound in height)
 
     def pixel(value: float) -> float:
-        return pixels * (_place(chart, value) - low) / (high - low)
+        return _HEIGHT * (_place(chart, value) - low) / (high - low)
 
     start, end = _ends([chart])
     begins = end - _NAMED * (end - start)
@@ -278,7 +277,7 @@ def _offsets(chart: Chart, named: Sequence[Line], height: _Range, pixels: int) -
 
     curves = {line.key: place for line in chart.lines if (place := extent(line))}
     levels = [pixel(limit.level) for limit in chart.limits if limit.stop >= begins and not math.isnan(limit.level)]
-    names: list[tuple[float, float]] = [(-math.inf, 1.0), (pixels - 1.0, math.inf)]
+    names: list[tuple[float, float]] = [(-math.inf, 1.0), (_HEIGHT - 1.0, math.inf)]
     offsets = []
     for line in named:
         below, above = curves[line.key]

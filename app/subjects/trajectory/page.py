@@ -59,7 +59,6 @@ _UPLOAD = 20_000_000  # bytes
 _HAVE_A_LENGTH = tuple(name for name in _NAMED.values() if name not in (LINES, WAYPOINTS))
 _SETTLE_SECONDS = 0.05  # a slider has come to rest after this long
 _HEIGHT = "max(100dvh - 104px, 612px)"  # room for four charts above each other
-_FRAME = 110  # pixels of each of the four frames
 _LOOK: dict[str, Any] = {"margin": (6, 4, 2, 4), "size": "small"}  # above: room for the label, where fields wrap
 _RARE: dict[str, Any] = {"sizing_mode": "stretch_width", "size": "small", "explained": True}
 _NUMBERS = ("climb_rate", "acceleration", "ground", *AIDING)
@@ -97,7 +96,7 @@ class TrajectoryPage(StudyPage[Followed]):
         self._bar.start.param.update(icon="straighten", variant="outlined", size="small")
         self._drawer = Drawer("Plan", "route", *self._plan_parts())
         quantity = pmui.Select.from_param(self.param.figure, width=170, **_LOOK)
-        self._stack = Timelines(timelines(None, self._shown), pixels=_FRAME)
+        self._stack = Timelines(timelines(None, self._shown))
         self._marker = PathMarker(self._stack.plots)
         self._head = html_pane("", margin=(6, 10, 0, 10))
         figures = [pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots]

@@ -131,7 +131,8 @@ def test_a_run_fills_the_page_and_a_change_marks_it_stale(sar: SarPage, session:
     best = re.search(r'<tr class="best"><th scope="row">([^<]+).*?<td class="num">([\d.]+)<', sar._ranks.object)
     assert best.groups() == named.groups()
     assert best[1] == next(name for name in names(sar) if name != "Whole-leg smoother")
-    assert sar._images.object.count("<img") == 9 + 1  # and the scale
+    shown, _, weak = sar._images.object.partition("No point to see: ")
+    assert shown.count("<figure") + weak.count("peak") == 9
     tables = part(sar, "Parts of the error, impulse response in numbers")
     assert tables.object.count("<table") == 3
     reasons = part(sar, "Why, and what would change it")
@@ -313,6 +314,17 @@ def test_pictures_say_what_they_show_and_escape_it() -> None:
     )
     assert "<i>" not in html
     assert 'alt="&lt;i&gt;: a &quot;b&quot;; x 0 to 3 m across, y 0 to 3 m upwards"' in html
+
+
+def test_a_row_of_pictures_has_room_for_what_shows_a_point_and_names_the_others() -> None:
+    power = np.stack([np.zeros((4, 4)), np.full((4, 4), -20.1)])
+    chart = PictureChart(
+        "k", "t", "x [m]", "y [m]", np.arange(4.0), np.arange(4.0), power, ("a", "b & c"), ("peak", "−20.1"), "r"
+    )
+    assert picture_gallery(chart).count("<figure") == 2
+    row = picture_gallery(chart, row=True)
+    assert row.count("<figure") == 1
+    assert "No point to see: b &amp; c, −20.1." in row
 
 
 def test_sar_command_writes_the_study(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -> None:
