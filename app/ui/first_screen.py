@@ -29,7 +29,7 @@ def first_screen(
     Each half has one part, or two on top of each other. On a narrow window everything is in one column at its natural
     height, the second part of the left half below the right one. A ``height`` of "100%" fills a place within the
     window, such as a view of `screen_of_views`. ``fitted``: the upper right part is as high as its content, at most
-    half.
+    half, and scrolls beyond.
 
     Examples
     --------
@@ -42,14 +42,10 @@ def first_screen(
             order = "1" if place and column == 1 else "0"  # places count where there are two columns
             span, wide = 2 if len(half) == 1 else 1, "auto" if right else "span 2"
             where = {"grid-area": f"{rows + 1 + place} / {column} / span {span} / {wide}", "order": order}
-            parts.append(
-                pn.Column(
-                    part,
-                    styles=where | FRAME,
-                    sizing_mode="stretch_width" if fitted and column == 2 and not place else "stretch_both",
-                    stylesheets=[NARROW],
-                )
-            )
+            mode = "stretch_both"
+            if fitted and column == 2 and not place:
+                where, mode = where | {"overflow": "auto"}, "stretch_width"
+            parts.append(pn.Column(part, styles=where | FRAME, sizing_mode=mode, stylesheets=[NARROW]))
     if bottom is not None:
         where = {"grid-area": f"{rows + 3} / 1 / auto / span 2", "order": "1"}
         parts.append(pn.Column(bottom, styles=where | FRAME))

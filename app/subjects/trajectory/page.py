@@ -112,12 +112,11 @@ class TrajectoryPage(StudyPage[Followed]):
         self._shares = pn.Column(html_pane(_COMING))
         above = of_flight.later(self._map, **whole)
         verdicts = of_flight.text(lambda flown: html_of(line_list(flown, self._shown)))
-        lines = pn.Column(verdicts, styles={"overflow": "auto", "max-height": "100%"}, sizing_mode="stretch_width")
         run = pn.Column(self._bar, styles={"flex": "1 1 240px", "min-width": "0"})
         tools = pn.FlexBox(
             quantity, self._drawer.button, run, align_items="center", margin=(0, 4), stylesheets=[PRINT_NOTHING]
         )
-        self._body = first_screen(tools, left=[curves], right=[lines, above], height=_HEIGHT, fitted=True)
+        self._body = first_screen(tools, left=[curves], right=[verdicts, above], height=_HEIGHT, fitted=True)
         self._view = pn.Column(
             self._strip,
             self._body,
