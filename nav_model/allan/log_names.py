@@ -50,6 +50,7 @@ _OFFERED: Final = {
 _ROLES: Final = vocabulary("log")
 _ONE_OF_SEVERAL: Final = {key: frozenset(words.split()) for key, words in TABLES["one_of_several"].items()}
 _NEUTRAL: Final = TABLES["passed_over"]["log"].split()
+_MOST_PARTS: Final = 5  # of a name, from the last: "gyro.x" behind topic and message has two
 _OF_SOMETHING_ELSE: Final = re.compile(r"bias|cov|std|sigma|err|offset|var")
 _AXIS: Final = re.compile("([xyzpqr])(?:[ _]?(?:rot|rate))?")
 
@@ -115,7 +116,8 @@ def meaning_of(name: str) -> Meaning | None:
     text = index[1] + (index[3] or "") if index else text
     # Alone, or behind the names of a topic and its messages: "/imu/data/angular_velocity/x".
     parts = re.split(r"[./]+", text)
-    behind = [k for k in range(1, len(parts)) if not _OF_SOMETHING_ELSE.search("".join(parts[:k]).lower())]
+    first = max(1, len(parts) - _MOST_PARTS)
+    behind = [k for k in range(first, len(parts)) if not _OF_SOMETHING_ELSE.search("".join(parts[:k]).lower())]
     names = (text, *(".".join(parts[start:]) for start in behind))
     meaning = next(filter(None, map(_meaning, names)), None)
     if meaning is None or index is None:

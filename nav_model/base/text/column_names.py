@@ -11,7 +11,8 @@ from nav_model.base.errors import InputError
 from nav_model.base.text.toml_text import shipped
 from nav_model.base.units import parse_quantity
 
-_MOST_NAMES = 8
+_MOST_NAMES, _LONGEST_NAME = 8, 25
+_MOST_UNIT_WORDS = 8  # "degrees per second per root hertz" has six
 _NUMBER = re.compile(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)?(.*)", re.DOTALL)
 _BRACKETS = re.compile(r"(.+?)[\s_]*[\[({](.*)[\])}]\s*")
 _UNIT_MAY_START = re.compile(r"(?<=[\s_.])(?=[A-Za-z°µ])|(?<=[a-z])(?=[A-Z])")
@@ -29,7 +30,7 @@ def vocabulary(of: str) -> dict[str, tuple[str, int]]:
 def listed(names: Sequence[str]) -> str:
     """The first names of a file, and how many more there are."""
     more = len(names) - _MOST_NAMES
-    return ", ".join(name[:40] for name in names[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
+    return ", ".join(name[:_LONGEST_NAME] for name in names[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
 def parted(text: str) -> Iterator[tuple[str, str, bool]]:
@@ -38,7 +39,8 @@ def parted(text: str) -> Iterator[tuple[str, str, bool]]:
         yield match[1], match[2].strip(), True
         return
     yield text, "", False
-    for start in reversed([place.start() for place in _UNIT_MAY_START.finditer(text)]):
+    starts = [place.start() for place in _UNIT_MAY_START.finditer(text)]
+    for start in reversed(starts[-_MOST_UNIT_WORDS:]):
         yield text[:start], text[start:].strip(" _"), False
 
 

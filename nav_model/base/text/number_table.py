@@ -33,6 +33,7 @@ _LONGEST_LINE = 100_000
 _LONGEST_FIELD = 100  # characters of an angle or a date
 LONGEST_NAME = 200
 """Characters of a column's name, which is compared with patterns; what is behind them is not looked at."""
+_MOST_OF_HEADERS = 250_000  # characters of the lines that may name the columns
 _EMPTY = frozenset(("", "nan", "-nan", "na", "n/a", "#n/a", "null", "none", "nat"))
 _TIME_OF_DAY = re.compile(r"(?:.*[ T])?(\d{1,2})[:.](\d\d)[:.](\d\d(?:[.,]\d*)?)")
 _DURATION = re.compile(r"\s*([-+]?\d+(?:[.,]\d*)?(?:[eE][-+]?\d+)?)\s*s(?:ec)?\s*")
@@ -348,9 +349,12 @@ def _numeric(fields: Sequence[str]) -> int:
 
 def _headers(lines: Sequence[str], delimiter: str | None, width: int) -> tuple[tuple[str, ...], ...]:
     """Of each line above the rows, the nearest first, a text for each column; none of those with more, fewer, or only
-    numbers."""
-    headers = []
+    numbers. Each name is compared with many patterns, so that long lines far above the rows are not looked at."""
+    headers, left = [], _MOST_OF_HEADERS
     for line in reversed(lines):
+        left -= len(line)
+        if left < 0:
+            break
         bare = line.strip().lstrip("#%/").strip()
         glued = re.sub(r"(?<![\s)\]])\s+(?=[\[(])", "", bare)  # a blank between name and unit parts nothing
         for mark in (delimiter, ",", ";", "\t", None) if width > 1 else ("\n",):
