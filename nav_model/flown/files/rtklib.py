@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import date
 
@@ -72,7 +73,9 @@ def _relative(table: NumberTable, heights: Heights, head: str) -> tuple[FlightCo
         advice = "Write latitude and longitude (out-solformat = llh), or with the header (out-outhead = on)."
         raise heights.refuse(f"has places east, north and up of a base that the header has not. {advice}")
     place = np.array([[math.radians(angle_of(base[1])), math.radians(angle_of(base[2])), float(base[3])]])
-    header = next(names for names in table.headers if any(name.startswith(_BASE[0]) for name in names))
+    header = next(filter(_names_a_base_line, table.headers), None)
+    if header is None:
+        raise heights.refuse(f"does not name the columns GPST, {', '.join(_BASE)} above its rows. Write them whole.")
     at = [next(at for at, name in enumerate(header) if name.startswith(axis)) for axis in _BASE]
     read = table.columns(at, FILE_BOUNDS.most_rows, FILE_BOUNDS.most_bytes)
     whole = np.isfinite(read.values).all(axis=1)
@@ -88,6 +91,12 @@ def _relative(table: NumberTable, heights: Heights, head: str) -> tuple[FlightCo
     return roles, np.column_stack([np.zeros(len(rows)), rows]), read.lines[whole]
 
 
+def _names_a_base_line(header: Sequence[str]) -> bool:
+    """True for a header with a time and all of a base line."""
+    stamped = any(name in _EPOCHS for name in header)
+    return stamped and all(any(name.startswith(axis) for name in header) for axis in _BASE)
+
+
 def _time(table: NumberTable, lines: NDArray[np.int32], head: str, heights: Heights) -> tuple[str, Array]:
     """The clock of the header and times of lines, from the week or the date of each and the time behind it."""
     names = _NAMES.search(head.encode())
@@ -100,7 +109,8 @@ def _time(table: NumberTable, lines: NDArray[np.int32], head: str, heights: Heig
     stamps = read.values[np.searchsorted(read.lines, lines)]
     weeks = "/" not in table.first_row[:11]
     if weeks:
-        stamps[:, 0] *= _WEEK
+        with np.errstate(over="ignore"):  # of a row that is no place in time, and left out
+            stamps[:, 0] *= _WEEK
     time = stamps.sum(axis=1)
     if system == "GPST":
         return "gps", time

@@ -202,3 +202,17 @@ def test_a_table_of_named_columns_has_velocities_attitude_and_the_week() -> None
     assert marked.fix is not None
     assert [marked.fix_names[code] for code in marked.fix] == ["fix" if k % 3 else "single" for k in range(9)]
     assert marked.clock == ""
+
+
+@pytest.mark.parametrize("names", ["GPST e-baseline(m) Q ns", "x e-baseline(m) n-baseline(m) u-baseline(m)"])
+def test_a_base_line_whose_columns_are_not_all_named_is_refused(names: str) -> None:
+    lines = [f"{second} 1 1 1" for second in range(20)]
+    content = pos("GPST Q ns", lines, f"% {names}", "% ref pos   :  46.990000000  -0.510000000   450.0000")
+    with pytest.raises(InputError, match=r"does not name the columns GPST, e-baseline, n-baseline, u-baseline"):
+        read_solution(content)
+
+
+def test_a_week_beyond_all_numbers_is_left_out() -> None:
+    content = pos(f"GPST {DEGREES}", [row.replace("2024/05/18", "1e308") for row in rows(LLA)])
+    with pytest.raises(InputError, match="holds no two places at different times"):
+        read_solution(content)
