@@ -88,7 +88,7 @@ def _messages(content: bytes) -> tuple[dict[str, _Message], int]:
         texts, slices = _FIELDS[kind]
         try:
             time = _WEEK * int(stamp[0]) + float(stamp[1])
-        except (ValueError, IndexError):
+        except (ValueError, IndexError, OverflowError):  # a week of hundreds of digits
             time = math.nan
         if math.isnan(time) or len(fields) < max(slices[-1].stop, texts[-1] + 1):
             wrong += 1

@@ -34,7 +34,7 @@ def read_ulog(content: bytes, heights: Heights) -> Epochs:
     Earth.
     """
     try:
-        from pyulog import ULog
+        from pyulog import ULog, ULogException
     except ImportError as error:
         advice = "Install it: pip install navbudget[ulog]."
         raise heights.refuse(f"is a PX4 log (ULog), for which pyulog is needed. {advice}") from error
@@ -44,7 +44,7 @@ def read_ulog(content: bytes, heights: Heights) -> Epochs:
         return _epochs(log, heights)
     except InputError:
         raise
-    except _DAMAGED as error:
+    except (*_DAMAGED, ULogException) as error:
         raise heights.refuse(f"is a PX4 log (ULog) that is damaged: {quoted(str(error))}") from error
 
 

@@ -219,3 +219,17 @@ def test_logs_of_a_receiver_are_flown() -> None:
     assert "fixed fixes alone; those with single left out" in track.note
     first = np.frombuffer(track.flight.trajectory.samples).reshape(-1, 7)[0]
     assert first[3] == pytest.approx(948.0, abs=0.1)
+
+
+@pytest.mark.parametrize("week", ["9" * 400, "9" * 5000, "nan", ""])
+def test_a_week_that_is_no_number_of_weeks_is_left_out(week: str) -> None:
+    line = novatel(f"BESTPOSA,COM1,0,50,FINE,{week},1,0,0,0", f"SOL_COMPUTED,SINGLE,46,7,100,1,W,1,1,1{',1' * 9}")
+    with pytest.raises(InputError, match="holds no INSPVAXA, INSPVAA or BESTPOSA message with the right checksum"):
+        read_solution((line * 3).encode(), name="a.txt")
+
+
+def test_a_log_with_flags_of_a_later_format_is_refused() -> None:
+    pytest.importorskip("pyulog", reason="pyulog (the extra ulog) is not installed")
+    flags = bytes(8) + b"\x80" + bytes(31)
+    with pytest.raises(InputError, match=r"a.ulg: is a PX4 log \(ULog\) that is damaged: 'Unknown incompatible flag"):
+        read_solution(b"ULog\x01\x12\x35\x01" + bytes(8) + b"\x28\x00B" + flags, name="a.ulg")
