@@ -37,6 +37,7 @@ class Sampling:
     jitter_s: float
 
 
+@np.errstate(over="ignore")  # of stamps that no clock has, which are refused
 def judge_stamps(stamps: Array, name: str, place: Callable[[int], str]) -> Sampling:
     """The sampling behind the time stamps [s] of all samples, shape (samples,), two at least.
 

@@ -106,3 +106,7 @@ def test_a_still_or_a_free_sensor_is_not_held():
     assert held_values(RNG.standard_normal((1000, 3)), NO_GAP) is None
     drifting = np.round(np.cumsum(RNG.standard_normal(20_000)) / 30.0)[:, None]  # long runs of every length
     assert held_values(drifting, NO_GAP) is None
+
+
+def test_stamps_of_no_clock_are_judged_without_an_overflow():
+    assert judge(np.arange(300) * 1e300).interval_s == pytest.approx(1e300)
