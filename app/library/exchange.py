@@ -20,7 +20,7 @@ from app.document.wording import slug
 from app.library.seal import CHANGED
 from app.library.store import Library, Revision, new_id, now, put_history, put_tags, revision_from_file
 from app.library.texts import clean_tags
-from nav_model.base.errors import InputError
+from nav_model.base.errors import InputError, quoted, told
 from nav_model.base.text.npz_arrays import DAMAGED
 
 MAX_ARCHIVE = 20_000_000
@@ -159,7 +159,7 @@ def _unpack(data: bytes) -> dict[str, bytes]:
     except InputError:
         raise
     except DAMAGED as error:
-        raise InputError("archive", f"is not a zip this program reads: {error}") from error
+        raise InputError("archive", f"is not a zip this program reads: {told(error)}") from error
     return files
 
 
@@ -190,7 +190,7 @@ def _listed(files: dict[str, bytes]) -> list[tuple[list[dict[str, str]], tuple[s
             raise InputError(_LIST, f"has more than {_MAX_PARTS} parts; it is not the list of an exported library")
         content = json.loads(written)
         if content["format"] != _FORMAT:
-            raise InputError(_LIST, f"has format {content['format']!r}; this program reads {_FORMAT}")
+            raise InputError(_LIST, f"has format {quoted(content['format'])}; this program reads {_FORMAT}")
         designs = []
         for design in content["designs"]:
             rows = [{key: str(row[key]) for key in _KEPT} for row in design["revisions"]]

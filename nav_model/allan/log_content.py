@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from nav_model.allan.log_names import COUNTS, SENSORS, Meaning, meaning_of, meanings_of, names_sensors
 from nav_model.base.errors import InputError, quoted
+from nav_model.base.text.column_names import listed
 from nav_model.base.text.file_kind import KINDS, kind_of
 from nav_model.base.text.message_dump import lines_of
 from nav_model.base.text.npz_arrays import read_npz_arrays
@@ -232,8 +233,8 @@ def _from_npz(content: bytes, name: str, options: LogOptions, limits: Limits) ->
     roles = {label: role for role, label in (options.arrays or {}).items()}
     for label, role in roles.items():
         if label not in arrays or role not in _ROLES:
-            allowed = f"roles are {', '.join(_ROLES)}, arrays are {', '.join(sorted(arrays))}"
-            raise InputError(name, f"arrays {role}={label!r}; {allowed}")
+            allowed = f"roles are {', '.join(_ROLES)}, arrays are {listed(sorted(arrays))}"
+            raise InputError(name, f"arrays {role}={quoted(label)}; {allowed}")
     count_units, rate_hz = _scalars(arrays)
     columns: list[LogColumn] = []
     for label, array in arrays.items():
@@ -246,7 +247,7 @@ def _from_npz(content: bytes, name: str, options: LogOptions, limits: Limits) ->
         triad = meaning.role in SENSORS and meaning.axis is None and array.ndim == 2 and array.shape[1] == 3
         if not (triad or array.ndim == 1) or not 0 < len(array) <= limits.rows:
             allowed = f"1 to {limits.rows} rows of one column, or of three for a triad, are allowed"
-            raise InputError(name, f"array {label!r}: shape {array.shape}; {allowed}")
+            raise InputError(name, f"array {quoted(label)}: shape {array.shape}; {allowed}")
         axes = [(meaning._replace(axis=axis), array[:, axis]) for axis in range(3)] if triad else [(meaning, array)]
         columns += [LogColumn(label, *axis) for axis in axes]
     if not any(column.meaning.role in SENSORS for column in columns):

@@ -316,7 +316,7 @@ def _frozen(given: Mapping[str, str]) -> FrozenMapping[str, str]:
 def _check_origin(key: str, origin: object) -> None:
     where = f"origins.{key}"
     if key not in all_keys():
-        raise InputError(where, f"unknown key; in quotes, one of {', '.join(all_keys())}", origin)
+        raise InputError(where, 'unknown key; write in quotes one of the design, such as "imu.rate"', origin)
     if not isinstance(origin, str) or not origin.strip() or len(origin.splitlines()) != 1:
         raise InputError(where, f"{quoted(origin)} is not a line of text in quotes", origin)
     if len(origin) > LONGEST_ORIGIN:

@@ -147,7 +147,7 @@ def from_query(query: str) -> Design:
             origins[_SHORT[short.removeprefix(_ORIGIN_PREFIX)]] = text
         elif short not in _PRESET_SHORT and short.removeprefix(_ORIGIN_PREFIX) not in _OUTDATED:
             if short not in _SHORT:
-                raise InputError(short, f"unknown in a link; known are {', '.join((*_PRESET_SHORT, *_SHORT))}")
+                raise InputError(short, "unknown in a link. Copy the link from its page again.")
             _read(_SHORT[short], text, values, written)
     outdated = tuple(_OUTDATED[short] for short in names if short in _OUTDATED)
     design = Design(values, written, outdated=outdated, entries=read_entries(entries))

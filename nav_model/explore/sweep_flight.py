@@ -18,7 +18,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from nav_model.base.errors import InputError, under
+from nav_model.base.errors import InputError, quoted, under
 from nav_model.base.units import parse_quantity
 from nav_model.design import Design
 from nav_model.simulation.design_study import NAMED_TRAJECTORIES, closed_form, specification
@@ -84,20 +84,20 @@ def read_flight(table: Any, folder: Path) -> SweepFlight:
 
 def _whole(key: str, value: Any) -> int:
     if not isinstance(value, int) or isinstance(value, bool):
-        raise InputError(key, f"{value!r} is not a whole number", value)
+        raise InputError(key, f"{quoted(value)} is not a whole number", value)
     return value
 
 
 def _time(key: str, value: Any) -> float:
     if not isinstance(value, str):
-        raise InputError(key, f'{value!r}: a time is written with its unit, such as "500 s"', value)
+        raise InputError(key, f'{quoted(value)}: a time is written with its unit, such as "500 s"', value)
     with under(key):
         return parse_quantity(value, "time").value
 
 
 def _outages(key: str, value: Any) -> tuple[tuple[float, float], ...]:
     if not isinstance(value, list) or not all(isinstance(pair, list) and len(pair) == 2 for pair in value):
-        raise InputError(key, f'{value!r} is not a list of pairs such as [["400 s", "500 s"]]', value)
+        raise InputError(key, f'{quoted(value)} is not a list of pairs such as [["400 s", "500 s"]]', value)
     return tuple((_time(key, start), _time(key, stop)) for start, stop in value)
 
 
@@ -115,7 +115,7 @@ def _trajectory(value: Any, folder: Path) -> str | TrajectorySpec:
     if value in NAMED_TRAJECTORIES:
         return str(value)
     if not isinstance(value, str):
-        raise InputError("simulate.trajectory", f"{value!r} is not a name or a file", value)
+        raise InputError("simulate.trajectory", f"{quoted(value)} is not a name or a file", value)
     from nav_model.trajectory.files.reader import read_file
 
     try:
@@ -127,7 +127,7 @@ def _trajectory(value: Any, folder: Path) -> str | TrajectorySpec:
         known = ", ".join(NAMED_TRAJECTORIES)
         raise InputError(
             "simulate.trajectory",
-            f"{value!r} is not a file that can be read. Name a file of a flight, or choose {known}.",
+            f"{quoted(value)} is not a file that can be read. Name a file of a flight, or choose {known}.",
             value,
         ) from error
     except ValueError as error:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nav_model.base.arrays import Array
-from nav_model.base.errors import InputError
+from nav_model.base.errors import InputError, quoted
 from nav_model.budget.inputs import VARIABLES
 from nav_model.budget.refusals import imaged_inputs
 from nav_model.design import Design
@@ -101,19 +101,21 @@ def read_uncertain(key: str, text: str) -> Uncertain:
         middle, _, factor = text.partition("*/")
         spread = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*", factor)
         if not spread or not 1 < float(spread[1]) <= 10:
-            raise InputError(key, f"{text!r}: the factor behind */ must be a number above 1 and at most 10", text)
+            raise InputError(
+                key, f"{quoted(text)}: the factor behind */ must be a number above 1 and at most 10", text
+            )
         return Uncertain("lognormal", declaration.read(middle.strip()).value, float(spread[1]))
     body, log, _ = text.partition(" log")
     low, dots, high = body.partition("..")
     if not dots:
         raise InputError(
-            key, f"{text!r} is not a range. Write LOW .. HIGH, LOW .. HIGH log, or TYPICAL */ FACTOR.", text
+            key, f"{quoted(text)} is not a range. Write LOW .. HIGH, LOW .. HIGH log, or TYPICAL */ FACTOR.", text
         )
     ends = declaration.read(low.strip()).value, declaration.read(high.strip()).value
     if not ends[0] < ends[1]:
-        raise InputError(key, f"{text!r}: the lower end must be below the upper", text)
+        raise InputError(key, f"{quoted(text)}: the lower end must be below the upper", text)
     if log and ends[0] <= 0:
-        raise InputError(key, f"{text!r}: a log range must start above zero", text)
+        raise InputError(key, f"{quoted(text)}: a log range must start above zero", text)
     return Uncertain("log-uniform" if log else "uniform", *ends)
 
 

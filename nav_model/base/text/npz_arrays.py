@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.base.errors import InputError
+from nav_model.base.errors import InputError, quoted, told
 
 _MOST_MEMBERS = 200
 DAMAGED = (
@@ -63,7 +63,7 @@ def read_npz_arrays(
                 raise InputError(file_name, f"unpacks to {declared / 1e6:.0f} MB; {most}")
             for member in members:
                 name = member.filename.removesuffix(".npy")
-                where = f"array {name!r}"
+                where = f"array {quoted(name)}"
                 what = f"{where}: not a readable .npy array"
                 if not member.filename.endswith(".npy") or member.flag_bits & 1:
                     raise InputError(file_name, f"{where}: not a plain .npy array")
@@ -81,7 +81,7 @@ def read_npz_arrays(
         raise
     except DAMAGED as error:
         # Without the file's own lines, which an error of syntax quotes.
-        reason = str(error.msg) if isinstance(error, SyntaxError) else str(error).partition("\n")[0]
+        reason = str(error.msg) if isinstance(error, SyntaxError) else told(error)
         raise InputError(file_name, f"{what} ({reason})") from error
     return arrays
 

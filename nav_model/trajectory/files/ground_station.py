@@ -117,7 +117,7 @@ def _flown(items: Iterable[_Item], heights: Heights) -> tuple[Waypoint, ...]:
                 places[-1] = places[-1][0], shooting
         elif command in _PASSED:
             if frame not in _REFERENCES:
-                raise heights.refuse(f"{where}: frame {frame} of its height is not known")
+                raise heights.refuse(f"{where}: frame {quoted(frame)} of its height is not known")
             if isinstance(line, str):
                 names[len(places)] = plain_name(line)
             place = heights.waypoint(tuple(params[4:7]), _REFERENCES[frame], where)

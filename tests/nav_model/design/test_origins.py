@@ -112,3 +112,10 @@ def test_a_file_of_before_told_it_in_its_description():
     assert parse_design(format_design(design)).origins == design.origins
     assert parse_design(BEFORE, changes=["imu.angle_random_walk=0.6 °/√h"]).origins == {}
     assert parse_design(BEFORE + '[origins]\n"imu.rate" = "log"').origins == {RATE: "log"}
+
+
+def test_an_unknown_key_is_told_without_all_the_others():
+    for read, text in ((from_query, "bogus=1"), (parse_design, '[origins]\n"bogus" = "log"')):
+        with pytest.raises(InputError, match="bogus: unknown") as refused:
+            read(text)
+        assert len(str(refused.value)) < 150

@@ -65,3 +65,10 @@ def test_refused_inputs(closed_design):
         uncertain_verdict(closed_design, {})
     with pytest.raises(InputError, match="reaches beyond the allowed range"):
         uncertain_verdict(closed_design, {"imu.vibration_factor": Uncertain("lognormal", 500.0, 3.0)})
+
+
+@pytest.mark.parametrize("text", ["x" * 5000, "0.1 °/√h */ " + "9" * 5000, "2 °/√h .. 1 °/√h" + " " * 5000])
+def test_a_long_text_is_quoted_in_short(text: str):
+    with pytest.raises(InputError) as refused:
+        read_uncertain("imu.angle_random_walk", text)
+    assert len(str(refused.value)) < 250

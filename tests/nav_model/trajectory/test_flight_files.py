@@ -489,6 +489,38 @@ def test_what_a_plan_holds_beside_waypoints_is_listed_in_short() -> None:
     assert len(parse_file(plan(*items), "a.plan", ground=1.0).note) < 1000
 
 
+def kmz_of_two_names() -> bytes:
+    """An archive whose list calls its long-named file by another name than the file's own head."""
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        archive.writestr("n" * 5000 + ".kml", b"<kml/>")
+    whole = packed.getvalue()
+    at = whole.index(b"PK\x01\x02") + 46
+    return whole[:at] + b"m" + whole[at + 1 :]
+
+
+@pytest.mark.parametrize(
+    ("content", "begins"),
+    [
+        (b"<?xml version='1.0' encoding='" + b"e" * 700 + b"'?><kml/>", "a.kml: is not XML: unknown encoding: eee"),
+        (
+            b"<?xml version='1.0' encoding='" + b"e" * 60_000 + b"'?><kml/>",
+            "a.kml: is not XML: unknown encoding: eee",
+        ),
+        (kmz_of_two_names(), "a.kml: is a ZIP archive that cannot be read: File name in directory"),
+        (
+            b'{"mission":{"items":[{"command":16,"frame":' + b"3" * 300 + b',"params":[0,0,0,0,0,0,0]}]}}',
+            "a.kml: item 1: frame 333",
+        ),
+    ],
+)
+def test_what_a_file_makes_others_say_is_told_in_short(content: bytes, begins: str) -> None:
+    with pytest.raises(InputError) as refused:
+        parse_file(content, "a.kml")
+    assert str(refused.value).startswith(begins)
+    assert len(str(refused.value)) < 240
+
+
 def gpx_segments(count: int) -> bytes:
     """Recordings of two places ten seconds apart."""
     place = "<trkpt lat='1' lon='{0}'><ele>1</ele><time>2026-05-01T08:00:{0}Z</time></trkpt>"

@@ -66,3 +66,15 @@ def test_logs_without_samples(array: Any, arrays: dict[str, str] | None) -> None
     np.savez(data, gyro=array)
     with pytest.raises(InputError):
         read_log(data.getvalue(), LogOptions(rate_hz=100, gyro_unit="deg/s", arrays=arrays), file_name="own.npz")
+
+
+def test_a_long_name_of_an_array_is_told_in_short() -> None:
+    data = io.BytesIO()
+    np.savez(data, **{"gyro_" + "n" * 5000: np.zeros((9, 4)), **{f"{'k' * 5000}{place}": 1 for place in range(99)}})
+    for arrays in ({"gyro": "no"}, {"gyro": "gyro_" + "n" * 5000}):
+        with pytest.raises(InputError) as refused:
+            read_log(data.getvalue(), LogOptions(rate_hz=100.0, arrays=arrays), "a.npz")
+        assert len(str(refused.value)) < 400
+    whole = _npz(_HEAD + "(100,)}").replace(b"gyro.npy", b"gyro.txt")
+    with pytest.raises(InputError, match=r"array 'gyro.txt': not a plain .npy array"):
+        read_npz_arrays(whole, "a.npz", 10**6)
