@@ -202,8 +202,8 @@ class LimitedWSHandler(FirstChanges, LostConnection, NoTracebacks):
         names = self.request.headers.get("Sec-WebSocket-Protocol", "").split(",")
         token = names[-1].strip()
         try:
-            wanted = get_session_id(token)
-        except ValueError:  # not a token; the handshake refuses it
+            wanted = str(get_session_id(token))
+        except (ValueError, TypeError, KeyError, RecursionError):  # not a token; the handshake refuses it
             self.set_status(403)
             self.finish()
             return

@@ -1,6 +1,7 @@
 """Access: nothing without login, no forged login, and no redirect to other hosts."""
 
 import asyncio
+import base64
 import json
 import urllib.parse
 from collections.abc import Iterator
@@ -96,6 +97,10 @@ def test_a_session_nobody_was_given_is_not_opened(visitor: Any) -> None:
     visitor.log_in("ada", PASSWORD)
     assert visitor.hello(generate_jwt_token(generate_session_id())) is None
     assert visitor.refused("no.token") == 403
+    for content in ("[" * 30_000, "[1]", "5", "{}"):
+        assert visitor.refused(base64.urlsafe_b64encode(content.encode()).decode().rstrip("=")) == 403
+    for content in (b'{"session_id": [1]}', b'{"session_id": {}}'):
+        assert visitor.hello(base64.urlsafe_b64encode(content).decode().rstrip("=")) is None
     forged = generate_jwt_token(generate_session_id(), secret_key=b"guess", signed=True)
     assert visitor.hello(forged) is None
     wanted = generate_session_id()
