@@ -198,7 +198,7 @@ def _listed(files: dict[str, bytes]) -> list[tuple[list[dict[str, str]], tuple[s
     except InputError:
         raise
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise InputError(_LIST, f"is not the list of an exported library: {error!r}"[:300]) from error
+        raise InputError(_LIST, f"is not the list of an exported library: {quoted(error)}") from error
     named = Counter(row["file"] for rows, _ in designs for row in rows)
     if twice := next((path for path, count in named.items() if count > 1), None):
         raise InputError(_LIST, f"names {twice[:80]!r} more than once; every revision has its own file")

@@ -168,3 +168,9 @@ def test_a_damaged_entry_of_any_compression_is_refused(library: Library, mems: B
     broken[45:120] = b"\xff" * 75
     with pytest.raises(InputError):
         _import(library, bytes(broken), "Eve")
+
+
+def test_a_list_in_another_encoding_is_told_in_short() -> None:
+    with pytest.raises(InputError, match="is not the list of an exported library: UnicodeDecodeError") as refused:
+        read_archive(_zip({"library.json": ('{"format": 1, "designs": []}' * 20).encode("utf-16")}), "Eve")
+    assert len(str(refused.value)) < 150
