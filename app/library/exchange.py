@@ -20,7 +20,7 @@ from app.document.wording import slug
 from app.library.seal import CHANGED
 from app.library.store import Library, Revision, new_id, now, put_history, put_tags, revision_from_file
 from app.library.texts import clean_tags
-from nav_model.base.errors import InputError, quoted, told
+from nav_model.base.errors import InputError, quoted, reason_of
 from nav_model.base.text.npz_arrays import DAMAGED
 
 MAX_ARCHIVE = 20_000_000
@@ -159,7 +159,7 @@ def _unpack(data: bytes) -> dict[str, bytes]:
     except InputError:
         raise
     except DAMAGED as error:
-        raise InputError("archive", f"is not a zip this program reads: {told(error)}") from error
+        raise InputError("archive", f"is not a zip this program reads: {reason_of(error)}") from error
     return files
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-_LONGEST_KEY, _LONGEST_REASON, _LONGEST_TOLD = 200, 1000, 120
+_LONGEST_KEY, _LONGEST_REASON, _LONGEST_CAUSE = 200, 1000, 120
 
 
 class InputError(ValueError):
@@ -80,11 +80,11 @@ def quoted(content: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def told(error: Exception) -> str:
+def reason_of(error: Exception) -> str:
     """The message of a library's error on one line: of more than 120 characters, which a file has written, the middle
     is left out.
 
-    >>> told(LookupError("unknown encoding: utf-9"))
+    >>> reason_of(LookupError("unknown encoding: utf-9"))
     'unknown encoding: utf-9'
     """
-    return _shortened(" ".join(str(error).split()), _LONGEST_TOLD)
+    return _shortened(" ".join(str(error).split()), _LONGEST_CAUSE)

@@ -270,18 +270,27 @@ def _flown(
         raise InputError("plan", f"the flight takes {duration / 3600.0:.0f} h; at most {_LONGEST / 3600.0:.0f} h")
     t = np.linspace(0.0, duration, max(math.ceil(duration / _STEP), 8) + 1)
     rate, climb, speed = np.zeros_like(t), np.zeros_like(t), np.full_like(t, passing[0])
+
+    def during(begin: float, length: float) -> slice:
+        """Samples of a part of the flight: a long plan has too many parts for each to go over the whole flight."""
+        return slice(*np.searchsorted(t, (begin, begin + length)))
+
     for begin, turn in zip(stops, turns[1:], strict=True):
         if turn.angle:
-            rate += rise_and_fall(t - begin, turn.plateau, TIME_TO_ROLL) * turn.angle / turn.plateau
+            part = during(begin, turn.plateau + TIME_TO_ROLL)
+            rate[part] += rise_and_fall(t[part] - begin, turn.plateau, TIME_TO_ROLL) * turn.angle / turn.plateau
     for start, time_of_leg, rise, ramp in zip(starts, straight, rises, ramps, strict=True):
         if rise:
-            climb += rise_and_fall(t - start, time_of_leg - ramp, ramp) * rise / (time_of_leg - ramp)
+            part, plateau = during(start, time_of_leg), time_of_leg - ramp
+            climb[part] += rise_and_fall(t[part] - start, plateau, ramp) * rise / plateau
     for begin, length, by in (
         *zip(starts, early, cruise - passing[:-1], strict=True),
         *zip(stops - late, late, passing[1:] - cruise, strict=True),
     ):
         if by:
-            speed += by * smooth_step((t - begin) / length)
+            part = during(begin, length)
+            speed[part] += by * smooth_step((t[part] - begin) / length)
+            speed[part.stop :] += by
     course, ground, height, roll, pitch = coordinated(t, np.hypot(speed, climb), float(heading[0]), rate, climb)
     first, north, east = plan.waypoints[0], ground * np.cos(course), ground * np.sin(course)
     height += first.height

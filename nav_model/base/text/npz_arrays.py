@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nav_model.base.errors import InputError, quoted, told
+from nav_model.base.errors import InputError, quoted, reason_of
 
 _MOST_MEMBERS = 200
 DAMAGED = (
@@ -81,7 +81,7 @@ def read_npz_arrays(
         raise
     except DAMAGED as error:
         # Without the file's own lines, which an error of syntax quotes.
-        reason = str(error.msg) if isinstance(error, SyntaxError) else told(error)
+        reason = str(error.msg) if isinstance(error, SyntaxError) else reason_of(error)
         raise InputError(file_name, f"{what} ({reason})") from error
     return arrays
 

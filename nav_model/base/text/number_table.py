@@ -350,10 +350,10 @@ def _numeric(fields: Sequence[str]) -> int:
 def _headers(lines: Sequence[str], delimiter: str | None, width: int) -> tuple[tuple[str, ...], ...]:
     """Of each line above the rows, the nearest first, a text for each column; none of those with more, fewer, or only
     numbers. Each name is compared with many patterns, so that long lines far above the rows are not looked at."""
-    headers, left = [], _MOST_OF_HEADERS
+    headers, room = [], _MOST_OF_HEADERS
     for line in reversed(lines):
-        left -= len(line)
-        if left < 0:
+        room -= len(line)
+        if room < 0:
             break
         bare = line.strip().lstrip("#%/").strip()
         glued = re.sub(r"(?<![\s)\]])\s+(?=[\[(])", "", bare)  # a blank between name and unit parts nothing

@@ -12,7 +12,7 @@ import tomllib
 from importlib.resources import files
 from typing import Any
 
-from nav_model.base.errors import InputError, told
+from nav_model.base.errors import InputError, reason_of
 
 MOST_PARTS = 8
 """Parts of one dotted key; what this program reads has three."""
@@ -77,7 +77,7 @@ def read_toml(data: bytes | str, where: str, kind: str, most_bytes: int) -> dict
     try:
         return tomllib.loads(data)
     except (ValueError, RecursionError) as error:  # also an integer or a date beyond what Python reads
-        raise InputError(where, f"not {kind} (TOML): {told(error).partition(';')[0]}") from error
+        raise InputError(where, f"not {kind} (TOML): {reason_of(error).partition(';')[0]}") from error
 
 
 def _size(count: int) -> str:

@@ -15,7 +15,7 @@ from xml.etree.ElementTree import Element, ParseError, TreeBuilder
 
 import numpy as np
 
-from nav_model.base.errors import InputError, quoted, told
+from nav_model.base.errors import InputError, quoted, reason_of
 from nav_model.base.text.npz_arrays import DAMAGED
 from nav_model.base.text.number_table import seconds_of
 from nav_model.trajectory.files.heights import MOST_WAYPOINTS, Heights, Reference, counted, plain_name
@@ -81,7 +81,7 @@ def unpack(content: bytes, heights: Heights) -> bytes | None:
             with archive.open(entry) as file:
                 inside = file.read(_MOST_XML + 1)
     except DAMAGED as error:
-        raise heights.refuse(f"is a ZIP archive that cannot be read: {told(error)}") from error
+        raise heights.refuse(f"is a ZIP archive that cannot be read: {reason_of(error)}") from error
     if len(inside) > _MOST_XML:
         raise heights.refuse(f"holds more than {_MOST_XML // 1_000_000} MB of XML. Keep only the flight.")
     heights.note(f"{plain_name(entry.filename)} in the archive")
@@ -154,7 +154,7 @@ def _xml(content: bytes, heights: Heights) -> Element:
     except DefusedXmlException as error:
         raise heights.refuse("declares entities or a document type, which are not read") from error
     except (ParseError, ValueError, LookupError) as error:
-        raise heights.refuse(f"is not XML: {told(error)}") from error
+        raise heights.refuse(f"is not XML: {reason_of(error)}") from error
     return root
 
 
