@@ -352,10 +352,10 @@ def _headers(lines: Sequence[str], delimiter: str | None, width: int) -> tuple[t
     numbers. Each name is compared with many patterns, so that long lines far above the rows are not looked at."""
     headers, room = [], _MOST_OF_HEADERS
     for line in reversed(lines):
-        room -= len(line)
+        bare = line.strip().lstrip("#%/").strip()
+        room -= len(bare)
         if room < 0:
             break
-        bare = line.strip().lstrip("#%/").strip()
         glued = re.sub(r"(?<![\s)\]])\s+(?=[\[(])", "", bare)  # a blank between name and unit parts nothing
         for mark in (delimiter, ",", ";", "\t", None) if width > 1 else ("\n",):
             fields = _fields((bare if mark else glued).rstrip(mark), mark)

@@ -62,7 +62,7 @@ def test_tiles_timelines_and_bars_follow_a_choice() -> None:
     assert "limit 4 m<" in page._tiles.object  # 2 m at 1σ
     assert "54.7°, limit 20°" in summary
     assert "1.91\xa0rad, limit 0.698\xa0rad at 2σ" in page._strip._text.object
-    assert page._stack.plots[2].yaxis[0].axis_label == "attitude, 2σ [rad]"
+    assert page._stack.plots[2].yaxis[0].axis_label == "attitude,\n2σ [rad]"
     assert f"{2 * session.budget['quadratic_phase', 'real time'].sigma:.3g} rad</span>" in page._phase.object
     assert "°</span>" not in page._phase.object
     assert session.link.endswith("show=2s.si")
