@@ -35,12 +35,12 @@ _OF_BAND = {
 }
 
 
-def timelines(flight: FlownFlight, name: str) -> tuple[Chart, ...]:
+def timelines(flight: FlownFlight | None, name: str) -> tuple[Chart, ...]:
     """The figure `name` of each aperture, and the difference north, east and down with the budget's band. All on one
-    time array."""
-    factor = flight.design.requirements.confidence
-    time, how = _times(flight), _OF_BAND[flight.result.relation]
-    spans = _line_spans(flight, time)
+    time array; before there is a flight, their axes."""
+    factor = 1.0 if flight is None else flight.design.requirements.confidence
+    time, how = _times(flight), "" if flight is None else _OF_BAND[flight.result.relation]
+    spans = () if flight is None else _line_spans(flight, time)
     charts = []
     for number_, axis in enumerate(_AXES):
         difference, sigma, claimed = _difference(flight, number_)
@@ -52,7 +52,7 @@ def timelines(flight: FlownFlight, name: str) -> tuple[Chart, ...]:
             Line("claim", f"claimed, {factor:g}σ", time, claim, "filter", "the file", ""),
             Line("claim below", f"claimed, −{factor:g}σ", time, -claim, "filter", "the file", ""),
         )
-        points = _jumps(flight) if axis == "down" else ()
+        points = _jumps(flight) if flight is not None and axis == "down" else ()
         charts.append(
             Chart(f"flown-{axis}", f"Difference {axis}", CLOCK, f"{axis} [m]", lines, points=points, spans=spans,
                   y_range=_around(lines), knowledge=f"Solution less reference; every sample, or evenly some. {how}")
@@ -60,17 +60,22 @@ def timelines(flight: FlownFlight, name: str) -> tuple[Chart, ...]:
     return (_figure_chart(flight, name, time, spans), *charts)
 
 
-def _times(flight: FlownFlight) -> Array:
+def _times(flight: FlownFlight | None) -> Array:
     """Seconds since the flight's start, at which its difference is known, or else its places."""
+    if flight is None:
+        return np.array([0.0, 300.0])
     compared = flight.result.compared
     clock = flight.result.solution.time_s if compared is None else compared.time_s
     return np.asarray(clock - flight.start_s)
 
 
-def _difference(flight: FlownFlight, axis: int) -> tuple[Array, Array, Array]:
+def _difference(flight: FlownFlight | None, axis: int) -> tuple[Array, Array, Array]:
     """Difference, its spread by the budget and the claim of the solution along an axis [m], 1σ."""
-    result, at = flight.result, _times(flight) + flight.start_s
-    nothing = np.full(len(at), np.nan)
+    time = _times(flight)
+    nothing = np.full(len(time), np.nan)
+    if flight is None:
+        return nothing, nothing, nothing
+    result, at = flight.result, time + flight.start_s
     claims = result.solution.claims
     claimed = nothing
     if claims is not None and claims.position is not None:
@@ -81,28 +86,31 @@ def _difference(flight: FlownFlight, axis: int) -> tuple[Array, Array, Array]:
     return np.asarray(result.compared.position[:, axis]), spread, claimed
 
 
-def _figure_chart(flight: FlownFlight, name: str, time: Array, spans: tuple[Span, ...]) -> Chart:
+def _figure_chart(flight: FlownFlight | None, name: str, time: Array, spans: tuple[Span, ...]) -> Chart:
     """A figure of each aperture at the confidence of its limit, the budget's beside it."""
     figure, label = FIGURES[name], figure_in_sentence(name)
     unit = DIMENSIONS[figure.dimension].default_unit
-    factor = confidence_of(flight.design, name)
+    factor = 1.0 if flight is None else confidence_of(flight.design, name)
     scale = from_si(1.0, unit, figure.dimension)
     flown, budget = np.full(len(time), np.nan), np.full(len(time), np.nan)
     limits: list[LimitLine] = []
-    for line in lines_of(flight):
-        start, stop = line.start_s - flight.start_s, line.stop_s - flight.start_s
-        on = (time >= start) & (time <= stop)
-        if (one := line.figures.get(name)) is not None:
-            budget[on] = scale * one.budget
-            if one.limit is not None:
-                limits.append(LimitLine(f"limit {line.name}", f"limit on {label}", start, stop, scale * one.limit))
-        series = flight.result.series
-        if series is not None and name in series.apertures:
-            inside = (series.aperture_s >= line.start_s) & (series.aperture_s <= line.stop_s)
-            middles = series.aperture_s[inside] - flight.start_s
-            if len(middles):
-                values = np.interp(time, middles, series.apertures[name][inside], np.nan, np.nan)
-                flown[on] = scale * factor * values[on]
+    if flight is not None:
+        for line in lines_of(flight):
+            start, stop = line.start_s - flight.start_s, line.stop_s - flight.start_s
+            on = (time >= start) & (time <= stop)
+            if (one := line.figures.get(name)) is not None:
+                budget[on] = scale * one.budget
+                if one.limit is not None:
+                    limits.append(
+                        LimitLine(f"limit {line.name}", f"limit on {label}", start, stop, scale * one.limit)
+                    )
+            series = flight.result.series
+            if series is not None and name in series.apertures:
+                inside = (series.aperture_s >= line.start_s) & (series.aperture_s <= line.stop_s)
+                middles = series.aperture_s[inside] - flight.start_s
+                if len(middles):
+                    values = np.interp(time, middles, series.apertures[name][inside], np.nan, np.nan)
+                    flown[on] = scale * factor * values[on]
     lines = (
         Line("flown", f"{label}, flown", time, flown, "simulated", "by aperture, navigation alone", ""),
         Line("budget", f"{label}, budget", time, budget, "reference", "covariance", ""),

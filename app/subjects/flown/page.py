@@ -10,7 +10,6 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 
-from app.charts.kinds import Chart
 from app.charts.legend import key_html
 from app.charts.screen.timelines import Timelines
 from app.declared import chosen
@@ -119,10 +118,13 @@ class FlownPage(StudyPage[FlownFlight]):
         self._solution, self._reference = SolutionFiles(), SolutionFiles()
         self._bar = RunBar(self.run, self.begin, "Start", *self._fields(), strip=True)
         self._login = login()
-        self._stack: Timelines | None = None  # made with the first result
+        self._stack = Timelines(timelines(None, "detrended_phase"))
         self._head = html_pane("", margin=(6, 10, 0, 10))
-        self._curves = pn.Column(
-            self._head, sizing_mode="stretch_both", min_height=430, stylesheets=[STACK_ON_A_PHONE]
+        figures = [pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots]
+        for drawn, share in zip(figures, ("1", "1", "1", "1.5"), strict=True):  # the last has the axis
+            drawn.styles = {"flex": f"{share} 1 0"}
+        curves = pn.Column(
+            self._head, *figures, sizing_mode="stretch_both", min_height=430, stylesheets=[STACK_ON_A_PHONE]
         )
         of_flight = self._of_result
         table = of_flight.text(lambda flight: html_of(*flight_blocks(flight)))
@@ -131,7 +133,7 @@ class FlownPage(StudyPage[FlownFlight]):
         above = of_flight.later(lambda: of_flight.chart(map_chart), **whole)
         self._view = pn.Column(
             self._strip,
-            first_screen(self._bar, left=[self._curves], right=[lines, above], height=_HEIGHT),
+            first_screen(self._bar, left=[curves], right=[lines, above], height=_HEIGHT),
             Folded(
                 (
                     ("Time and place", lambda: of_flight.text(lambda flight: html_of(*place_blocks(flight)))),
@@ -267,21 +269,10 @@ class FlownPage(StudyPage[FlownFlight]):
             self._head.say(head_html("Along the flight", self.coming, _COMING))
             return
         charts = timelines(result, self._shown)
-        if self._stack is None:
-            self._make_stack(charts)
-        else:
-            self._stack.feed(charts)
+        self._stack.feed(charts)
         description, knowledge = "".join(map(described, charts)), " ".join(chart.knowledge for chart in charts[:2])
         self._head.say(head_html("Along the flight", knowledge, description, key_html(**_KEY)))
         self._of_result.follow()
-
-    def _make_stack(self, charts: tuple[Chart, ...]) -> None:
-        """Make the figures, all on one time axis."""
-        self._stack = Timelines(charts)
-        figures = [pn.pane.Bokeh(plot, sizing_mode="stretch_both") for plot in self._stack.plots]
-        for figure, share in zip(figures, ("1", "1", "1", "1.5"), strict=True):  # the last has the axis
-            figure.styles = {"flex": f"{share} 1 0"}
-        self._curves.extend(figures)
 
     def _verdict(self, result: FlownFlight) -> Answer:
         return answer(result.result)
