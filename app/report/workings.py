@@ -358,12 +358,15 @@ class Traces:
         return models
 
     def _of_sources(self, check: Check, at: float | None) -> Mapping[str, Traced]:
-        """Shares of the sources in a figure without contributors, by its change for a step of each. [T-18]"""
+        """Shares of the sources in a figure without contributors, by its change for a step of each; none of a figure
+        that is zero. [T-18]"""
         time: Any = None if at is None else self._constant(at)
         values = {
             source: self.workings.traced(model.value(check.on, time)) for source, model in self._stepped.items()
         }
         whole = values.pop("")
+        if not whole.value:
+            return {}
         return {source: np.maximum((value / whole - 1) / _STEP, 0.0) for source, value in values.items()}
 
     def shares_of(self, check: Check, processing: str) -> Mapping[str, Traced]:

@@ -401,7 +401,8 @@ class _Fit:
     def at_most(self, place: int, point: Array) -> float | None:
         """The largest value of the unknown at `place` with which some others give every entry to its digits.
 
-        None where that is the largest value tried. `point` is a fit of all entries, which all agree.
+        None where that is the largest value tried, or the search ends at none. `point` is a fit of all entries, which
+        all agree.
         """
         from scipy.optimize import Bounds, minimize
 
@@ -418,7 +419,7 @@ class _Fit:
             return np.concatenate([-slopes, slopes])
 
         upwards = np.where(np.arange(len(point)) == place, -1.0, 0.0)
-        best = float(point[place])
+        best = -math.inf
         for start in (point, *self.starts[np.argsort((self.misses**2).sum(axis=0))[:1]]):
             end = minimize(
                 lambda unknowns: float(upwards @ unknowns), start, jac=lambda _: upwards, method="SLSQP",
@@ -427,7 +428,7 @@ class _Fit:
             ).x  # fmt: skip
             if room(end).min() > -_MISSED:
                 best = max(best, float(end[place]))
-        return math.exp(best) if best < self.high[place] - _MISSED else None
+        return math.exp(best) if self.low[place] <= best < self.high[place] - _MISSED else None
 
     def contradictions(self, point: Array) -> tuple[Contradiction, ...]:
         """Each entry without which the others agree; of a long table among those that make the least sum of squares.

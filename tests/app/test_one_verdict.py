@@ -88,7 +88,8 @@ def some_design(random: np.random.Generator, *, planned: bool) -> Design:
         keys["trajectory.waypoints"] = tuple(
             row_of(*place, name) for place, name in zip(places, ("first leg", "", ""), strict=True)
         )
-    own = [(name, *(limits[figure] * 0.7 if random.random() < 0.3 else None for figure in LIMITED)) for name in names]
+    known = {figure: 0.7 * limit for figure, limit in limits.items()}
+    own = [(name, *(known.get(figure) if random.random() < 0.3 else None for figure in LIMITED)) for name in names]
     keys["trajectory.limits"] = tuple(row for row in own if any(row[1:]) and random.random() < 0.7)
     return Design(keys)
 

@@ -292,7 +292,7 @@ def test_simulated_flights_with_the_manoeuvre_have_the_heading_that_it_promises(
     if seed == 4:
         design = design.replace({"gnss.velocity_noise": 0.01})
     option = next(o for o in manoeuvres(design).options if o.closes and o.kind == "manoeuvre")
-    assert option.name.startswith("Acceleration") == (seed == 4)
+    assert option.name.startswith("Speed up") == (seed == 4)
     changed, runs = taken(design, option), 200
     spec = along_flight(changed, planned(changed))
     result = covariance(replace(spec, settled=False))  # begins as the runs do

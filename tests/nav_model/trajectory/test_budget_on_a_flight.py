@@ -89,7 +89,8 @@ def test_a_straight_line_has_the_figures_and_verdicts_of_the_budget(seed: int) -
     design = drawn(seed)
     budget = analyse(design)
     study = specification(design, trajectory="straight", duration=LEG, every=LEG / 2)
-    result = covariance(covariance_specification(design, study))
+    # Its middle has as long to its end as the budget's smoother: no fixes beyond the end.
+    result = covariance(replace(covariance_specification(design, study), flown_further=0.0))
     bounds = {(processing, kind): bound for processing, kinds, bound in REASONS.values() for kind in kinds}
     judged = set()
     for name in (name for name in IN_FLIGHT if name in of_kind("phase", "place", "steady")):
@@ -209,10 +210,10 @@ def test_an_error_that_the_filter_ignores_improves_no_figure(seed: int) -> None:
     before, after = covariance(first), covariance(replace(second, flown_further=first.flown_further))
     for plain, more in ((before.real_time, after.real_time), (before.post_processed, after.post_processed)):
         for name in ("position", "velocity", "attitude"):
-            assert np.all(getattr(more, name) >= getattr(plain, name) * (1 - 1e-9)), (key, name)
+            assert np.all(getattr(more, name) >= getattr(plain, name) * (1 - 1e-6)), (key, name)
         for name, values in plain.figures.items():
             seen = np.isfinite(values)
-            assert np.all(more.figures[name][seen] >= values[seen] * (1 - 1e-9)), (key, name)
+            assert np.all(more.figures[name][seen] >= values[seen] * (1 - 1e-6)), (key, name)
 
 
 SLOW_ERRORS = [(0.5, 300.0), (2.0, 60.0), (1.0, 20.0)]  # m, s
